@@ -60,7 +60,11 @@ fn title(drawer: Drawer) -> &'static str {
     match drawer {
         Drawer::Link => tr!("Link"),
         // The setup of the wheels and the session file come with the panel Drive together, and have no placeholder.
-        Drawer::Together | Drawer::WheelSetup | Drawer::Session | Drawer::SetupLink => {
+        Drawer::Together
+        | Drawer::WheelSetup
+        | Drawer::Session
+        | Drawer::SetupLink
+        | Drawer::Experiments => {
             tr!("Drive together")
         }
         Drawer::Settings => tr!("Settings"),

@@ -22,6 +22,7 @@ use crate::{
     features::{
         connect::panel::VirtualMotorsPanel,
         drive::{current::CurrentTab, open_loop::OpenLoopTab, position::PositionTab},
+        experiments::{panel::ExperimentsPanel, state::Experiments},
         graph::Graph,
         groups::panel::TogetherPanel,
         help::{HelpDialog, tour::Shown, tour_view::TourNotice},
@@ -170,12 +171,16 @@ in_part!(tools: fn mount_tools(hosts, features) [
             let wheels = panel(Drawer::WheelSetup, tr!("Set up the wheels of a rover"));
             let session = panel(Drawer::Session, tr!("Session file"));
             let setup_link = panel(Drawer::SetupLink, tr!("Setup link"));
+            let load: Load = |hosts, features, _| Box::pin(mount_experiments(hosts, features));
+            let title = tr!("Experiments");
+            let experiments = later_panel(Drawer::Experiments, title, features, owner, load);
             setup_link::address::watch(features.page);
             view! {
                 <TogetherPanel groups=features.groups measures />
                 {wheels}
                 {session}
                 {setup_link}
+                {experiments}
             }
         })
     },
@@ -211,6 +216,12 @@ in_part!(seldom: fn mount_seldom(hosts, features, which) [{
         let setup = WheelSetup::of_page(&hosts.owner, features.page, actions);
         hosts.mount(move || view! { <WheelSetupSteps setup /> })
     }
+}]);
+
+in_part!(experiments: fn mount_experiments(hosts, features) [{
+    load_later_texts();
+    let of = Experiments::of_page(&hosts.owner, features.page);
+    hosts.mount(move || view! { <ExperimentsPanel of /> })
 }]);
 
 in_part!(help: fn mount_help(hosts, features) [

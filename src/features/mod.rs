@@ -4,6 +4,7 @@
 
 pub(crate) mod connect;
 pub(crate) mod drive;
+pub(crate) mod experiments;
 pub mod graph;
 pub(crate) mod groups;
 pub(crate) mod help;

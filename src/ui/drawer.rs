@@ -22,6 +22,8 @@ pub(crate) enum Drawer {
     Session,
     /// The setup as a link.
     SetupLink,
+    /// What is asked of motors, and the runs that ask it.
+    Experiments,
 }
 
 /// Opens a panel of the drawer, or closes it.

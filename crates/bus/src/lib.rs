@@ -93,4 +93,6 @@ pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consen
 pub use sample::Sample;
 pub use scan::report::ScanReport;
 pub use settings::BusSettings;
-pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
+pub use timing::{
+    FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
+};

@@ -24,7 +24,7 @@ pub(crate) const DRIVEN_UNANSWERED_MAX: u32 = 3;
 pub(crate) const LATE_CALL: Duration = FRESH_FOR;
 /// From here on the page calls the gap sleep. The value is a choice: the motors are stopped either
 /// way.
-pub(crate) const SLEEP_MIN: Duration = Duration::from_secs(5);
+pub const SLEEP_MIN: Duration = Duration::from_secs(5);
 
 /// A call or a reply that comes later than this counts as late ([`crate::LineStatus::late_hz`]). Timers of a
 /// browser that nothing delays are 0.2 ms late at most.

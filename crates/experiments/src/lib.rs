@@ -9,6 +9,9 @@
 //! | [`plan`] | a checked sequence, ready to run or to draw |
 //! | [`runner`] | a run: what to send at each tick, and what ends it |
 //! | [`analysis`] | figures from samples: step response, frequency response, friction, inertia, heating |
+//! | [`study`] | what is asked of a motor: its sequence, and the figures of a run of it |
+//! | [`chart`] | charts of findings, as data and as SVG |
+//! | [`kept`] | a run that is kept, and its exports |
 //! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example
@@ -26,8 +29,11 @@
 //! ```
 
 pub mod analysis;
+pub mod chart;
 pub mod generate;
+pub mod kept;
 mod number;
 pub mod plan;
 pub mod runner;
 pub mod sequence;
+pub mod study;

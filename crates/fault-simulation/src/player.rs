@@ -18,7 +18,7 @@ use crate::{
     rule::{Rule, Violation},
     rules::Rules,
     scenario::Scenario,
-    sequence_run::{Runs, SequenceRun},
+    sequence_run::{Answers, Runs, SequenceRun},
 };
 
 /// Most steps of the bus at one moment: far above the usual number, and far below a busy loop.
@@ -239,7 +239,7 @@ impl Player {
             Action::Unplug => {
                 if let Some(mut bus) = self.bus.take() {
                     if let Some(run) = &mut self.sequence {
-                        run.unplugged(self.now);
+                        run.unplugged(self.now, self.settings);
                     }
                     self.halted = bus.is_halted();
                     for event in bus.close(self.now) {
@@ -264,8 +264,7 @@ impl Player {
                 reported,
             } => self.cuts = Some((*frames, usize::from(*bytes), *reported)),
             Action::RunSequence { seed } => {
-                let is_over = |run: &SequenceRun| run.wake().is_none();
-                if self.sequence.as_ref().is_none_or(is_over) {
+                if self.sequence.as_ref().is_none_or(SequenceRun::is_over) {
                     self.sequence = SequenceRun::random(*seed, &self.motors, self.now);
                     self.runs.started += u64::from(self.sequence.is_some());
                 }
@@ -274,31 +273,53 @@ impl Player {
         self.run(Duration::ZERO)
     }
 
-    /// What the run asks of the bus now. Returns when it is due again.
-    fn turn_sequence(&mut self) -> Result<Option<Instant>, Violation> {
+    /// Does what is due for the run.
+    fn turn_sequence(&mut self) -> Result<(), Violation> {
+        let is_due = |run: &SequenceRun| run.wake().is_some_and(|wake| wake <= self.now);
+        if self.sequence.as_ref().is_some_and(is_due) {
+            self.with_sequence(|run, now, bus, settings, page_answers| {
+                run.turn(now, bus, settings, page_answers)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Lets the run act, and judges what it has done.
+    fn with_sequence(
+        &mut self,
+        act: impl FnOnce(&mut SequenceRun, Instant, Option<&mut Bus>, BusSettings, bool) -> Answers,
+    ) -> Result<(), Violation> {
         let Some(mut run) = self.sequence.take() else {
-            return Ok(None);
+            return Ok(());
         };
-        if run.wake().is_some_and(|wake| wake <= self.now) {
-            for command in run.turn(self.now) {
-                if let Some(bus) = &mut self.bus {
-                    let answer = bus.command(self.now, command);
-                    run.answered(self.now, command, answer);
-                    self.rules
-                        .on_command(self.now, self.now, command, answer, bus, &self.world)?;
-                }
+        let was_over = run.end().is_some() || run.has_died();
+        let bus = self.bus.as_mut();
+        let answers = act(&mut run, self.now, bus, self.settings, self.page_answers);
+        self.judge_answers(answers)?;
+        if !was_over && (run.end().is_some() || run.has_died()) {
+            match run.end() {
+                Some(end) => self.runs.count(end),
+                None => self.runs.by_trap += 1,
             }
-            if let (None, Some(end)) = (run.wake(), run.end()) {
-                self.runs.count(end);
-                // A run that was never started stops nothing: a person may drive.
-                if run.has_driven() {
-                    self.ended_run_drives_nothing(&run)?;
-                }
+            // A run that was never started stops nothing: a person may drive.
+            if run.has_driven() {
+                self.ended_run_drives_nothing(&run)?;
             }
         }
-        let wake = run.wake();
         self.sequence = Some(run);
-        Ok(wake)
+        Ok(())
+    }
+
+    fn judge_answers(&mut self, answers: Answers) -> Result<(), Violation> {
+        for (command, answer) in answers {
+            self.note(|| format!("run: {command:?} {answer:?}"));
+            if let Some(bus) = &self.bus {
+                let now = self.now;
+                self.rules
+                    .on_command(now, now, command, answer, bus, &self.world)?;
+            }
+        }
+        Ok(())
     }
 
     /// An ended run has stopped all of its motors.
@@ -399,19 +420,38 @@ impl Player {
         self.run(Duration::ZERO)
     }
 
-    fn issue(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
+    fn issue(&mut self, given: Instant, mut command: Command) -> Result<(), Violation> {
         if let Command::Configure(settings) = command {
             self.settings = settings;
+            let run = self.sequence.as_ref();
+            command = Command::Configure(run.map_or(settings, |run| run.settings(settings)));
         }
         if command.is_too_old(self.now.since(given)) {
             self.rules.judge(Rule::NoOldActs);
-        } else if let Some(bus) = &mut self.bus {
-            let answer = bus.command(self.now, command);
-            if let (Some(run), Ok(())) = (&mut self.sequence, answer) {
-                run.commanded(self.now, command);
+            return Ok(());
+        }
+        if self.bus.is_none() {
+            return Ok(());
+        }
+        let mut ends_run = None;
+        self.with_sequence(|run, now, bus, settings, _| match bus {
+            Some(bus) => {
+                let (input, answers) = run.before_command(now, command, bus, settings);
+                ends_run = input;
+                answers
             }
+            None => Answers::new(),
+        })?;
+        if let Some(bus) = &mut self.bus {
+            let answer = bus.command(self.now, command);
             self.rules
                 .on_command(self.now, given, command, answer, bus, &self.world)?;
+        }
+        if let Some(input) = ends_run {
+            self.with_sequence(|run, now, bus, settings, _| match bus {
+                Some(bus) => run.after_command(now, input, bus, settings),
+                None => Answers::new(),
+            })?;
         }
         Ok(())
     }
@@ -523,11 +563,12 @@ impl Player {
                 Output::Transmit(frame) => self.transmit(frame)?,
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
                 Output::Event(event) => {
-                    if let Some(run) = &mut self.sequence {
-                        run.on_event(self.now, &event);
-                    }
                     self.note(|| format!("{event:?}"));
                     self.rules.on_event(self.now, &event, &self.world)?;
+                    self.with_sequence(|run, now, bus, settings, _| match bus {
+                        Some(bus) => run.on_event(now, &event, bus, settings),
+                        None => Answers::new(),
+                    })?;
                 }
                 Output::Wait(at) if at > self.now => {
                     self.rules.settled(self.now, bus)?;

@@ -1,26 +1,35 @@
-//! A random sequence that the runner drives over the bus, as a worker does.
+//! A random sequence in a run with both of its sides, as the port worker joins them with the bus.
 
 use std::{ops::AddAssign, time::Duration};
 
 use fastrand::Rng;
-use motorlink_bus::{Command, Consent, Event, GroupSetpoints, Refusal, StopReason, WithdrawReason};
+use motorlink_bus::{Bus, BusSettings, Command, Consent, Event, GroupSetpoints, Refusal};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    runner::{Cause, End, ExceededLimit, Options, Phase, Runner, Telemetry, Tick},
+    runner::{Cause, End, Options, Phase},
     sequence::{
         Action, Condition, End as StepEnd, Move, Quantity, Repeat, Selection, Sequence, Shape,
         Step, Wave,
     },
 };
-use motorlink_protocol::{Acceleration, Instant, Mode, MotorId, Setpoint};
+use motorlink_messages::{
+    encode,
+    runs::{FromRun, ToRun},
+};
+use motorlink_protocol::{Acceleration, Instant, Mode, MotorId};
+use motorlink_runs::{Host, Input, Line, Program};
 
-/// How often an armed run tries to start: its motors may still be switching their loop.
-const START_EVERY: Duration = Duration::from_millis(50);
+/// How often the person acts: motors may still be switching their loop, or the line is busy.
+const ACTS_EVERY: Duration = Duration::from_millis(50);
+/// How long the person waits until the motors have switched their loop.
+const SWITCHED_AFTER: Duration = Duration::from_millis(500);
+/// A person who could not start for so long gives up.
+const GIVES_UP_AFTER: Duration = Duration::from_secs(5);
 
 /// How runs ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Runs {
-    /// Armed.
+    /// Had a person who wanted to arm them.
     pub started: u64,
     /// Came to their last step.
     pub finished: u64,
@@ -32,6 +41,8 @@ pub struct Runs {
     pub by_machine: u64,
     /// Ended because a condition did not come to hold, or because the bus refused a setpoint.
     pub by_plan: u64,
+    /// Ended because the program of the run trapped.
+    pub by_trap: u64,
 }
 
 impl Runs {
@@ -66,21 +77,70 @@ impl AddAssign for Runs {
         self.by_motor += other.by_motor;
         self.by_machine += other.by_machine;
         self.by_plan += other.by_plan;
+        self.by_trap += other.by_trap;
     }
 }
 
-/// A run, and what it has asked of the bus.
+/// A run with both of its sides, and the person who arms and starts it.
 pub(crate) struct SequenceRun {
-    runner: Runner,
-    /// Loops to switch to before the start.
-    switches: Vec<(MotorId, Mode)>,
-    /// The setpoints that the bus has taken.
-    given: Option<Vec<(MotorId, Setpoint)>>,
-    wake: Option<Instant>,
+    program: Program,
+    host: Host,
+    rng: Rng,
+    arm: ToRun,
+    motors: Vec<MotorId>,
+    mode: Mode,
+    person: Person,
+    person_acts: Option<Instant>,
+    gives_up: Instant,
+    /// When the program traps, if it does.
+    traps: Option<Instant>,
+    died: bool,
+    end: Option<End>,
+    has_driven: bool,
+}
+
+/// What the person does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Person {
+    Arms,
+    Switches,
+    Starts,
+    Pauses,
+    Resumes,
+}
+
+/// The line of a run, with what the bus has answered.
+struct Watched<'a> {
+    bus: &'a mut Bus,
+    answers: Answers,
+}
+
+/// The commands that a run has given to the bus, with the answers.
+pub(crate) type Answers = Vec<(Command, Result<(), Refusal>)>;
+
+impl Line for Watched<'_> {
+    fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
+        let answer = self.bus.command(now, command);
+        self.answers.push((command, answer));
+        answer
+    }
+
+    fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal> {
+        let answer = self.bus.follow_plan(now, setpoints);
+        let setpoints = *setpoints;
+        let consent = Consent::None;
+        let command = Command::AdjustGroup { setpoints, consent };
+        self.answers.push((command, answer));
+        answer
+    }
+
+    fn drives(&self, now: Instant, id: MotorId) -> bool {
+        self.bus.drives(now, id)
+    }
 }
 
 impl SequenceRun {
-    /// A random sequence for these motors, armed. Nothing if it breaks a rule of a plan.
+    /// A random sequence for these motors, which a person arms next. Nothing if it breaks a rule of a plan.
     pub(crate) fn random(seed: u64, motors: &[MotorId], now: Instant) -> Option<Self> {
         let mut rng = Rng::with_seed(seed);
         let quantity = if rng.u8(..3) == 0 {
@@ -92,178 +152,254 @@ impl SequenceRun {
             steps: steps(&mut rng, quantity, motors, 2),
             ..Sequence::default()
         };
-        let plan = Plan::new(&sequence, &Fleet::of(motors.iter().copied())).ok()?;
+        let fleet = Fleet::of(motors.iter().copied());
+        let plan = Plan::new(&sequence, &fleet).ok()?;
         let options = Options {
-            period: Duration::from_millis(rng.u64(5..=40)),
-            ..Options::default()
+            period: Duration::from_millis(rng.u64(2..=40)),
+            stop_on_lost_focus: true,
         };
-        let moved = plan.motors().iter();
-        let switches = moved.map(|motor| (motor.id, motor.mode())).collect();
+        let traps = now + Duration::from_millis(rng.u64(500..5_000));
         Some(Self {
-            runner: Runner::arm(plan, options, now),
-            switches,
-            given: None,
-            wake: Some(now),
+            program: Program::default(),
+            host: Host::default(),
+            motors: plan.motors().iter().map(|motor| motor.id).collect(),
+            mode: quantity_mode(quantity),
+            arm: ToRun::Arm {
+                run: 1,
+                sequence: sequence.to_json(),
+                fleet,
+                options,
+            },
+            person: Person::Arms,
+            person_acts: Some(now),
+            gives_up: now + GIVES_UP_AFTER,
+            traps: (rng.u8(..10) == 0).then_some(traps),
+            died: false,
+            end: None,
+            has_driven: false,
+            rng,
         })
     }
 
     /// How the run ended.
-    pub(crate) fn end(&self) -> Option<End> {
-        match self.runner.phase() {
-            Phase::Ended(end) => Some(end),
-            _ => None,
-        }
+    pub(crate) const fn end(&self) -> Option<End> {
+        self.end
     }
 
     /// Whether it has driven a motor.
     pub(crate) const fn has_driven(&self) -> bool {
-        self.given.is_some()
+        self.has_driven
+    }
+
+    /// Whether nothing of it goes on.
+    pub(crate) const fn is_over(&self) -> bool {
+        self.wake().is_none()
     }
 
     /// Whether the motor is one of the run.
     pub(crate) fn moves(&self, id: MotorId) -> bool {
-        let mut moved = self.runner.plan().motors().iter();
-        moved.any(|motor| motor.id == id)
+        self.motors.contains(&id)
     }
 
     /// When [`turn`](Self::turn) is next due.
     pub(crate) const fn wake(&self) -> Option<Instant> {
-        self.wake
-    }
-
-    /// What the run asks of the bus now.
-    pub(crate) fn turn(&mut self, now: Instant) -> Vec<Command> {
-        if !self.switches.is_empty() {
-            let switch = |(id, mode)| Command::SwitchMode { id, mode };
-            return self.switches.drain(..).map(switch).collect();
-        }
-        if matches!(self.runner.phase(), Phase::Armed { .. }) {
-            // What it refuses for now may be there later; a person presses again.
-            let _ = self.runner.start(now);
-        }
-        match self.runner.tick(now) {
-            Tick::Idle => {
-                let is_armed = matches!(self.runner.phase(), Phase::Armed { until } if now < until);
-                self.wake = is_armed.then(|| now + START_EVERY);
-                Vec::new()
-            }
-            Tick::Drive { setpoints, next } => {
-                self.wake = Some(next.max(now + Duration::from_micros(1)));
-                self.drive(setpoints)
-            }
-            Tick::Stop(_) => {
-                self.wake = None;
-                let moved = self.runner.plan().motors().iter();
-                moved.map(|motor| Command::Stop(motor.id)).collect()
-            }
+        match (self.host.wake(), self.person_acts) {
+            (Some(tick), Some(acts)) if acts.as_micros() < tick.as_micros() => Some(acts),
+            (None, acts) => acts,
+            (tick, _) => tick,
         }
     }
 
-    fn drive(&mut self, setpoints: Vec<(MotorId, Setpoint)>) -> Vec<Command> {
-        if self.given.as_ref() == Some(&setpoints) {
-            return Vec::new();
+    /// The settings of the bus.
+    pub(crate) fn settings(&self, of_person: BusSettings) -> BusSettings {
+        self.host.settings(of_person)
+    }
+
+    /// Everything that is due. A page that hangs sends nothing.
+    pub(crate) fn turn(
+        &mut self,
+        now: Instant,
+        mut bus: Option<&mut Bus>,
+        of_person: BusSettings,
+        page_answers: bool,
+    ) -> Answers {
+        let mut answers = Answers::new();
+        if self.person_acts.is_some_and(|at| at <= now) {
+            self.person_acts = Some(now + ACTS_EVERY);
+            if page_answers {
+                answers = self.person_acts(now, bus.as_deref_mut(), of_person);
+            }
+            if now >= self.gives_up && self.host.wake().is_none() {
+                self.person_acts = None;
+            }
         }
-        let consent = Consent::None;
-        let Ok(group) = GroupSetpoints::new(&setpoints) else {
-            return Vec::new();
+        if self.host.tick_due(now).is_some() {
+            answers.extend(self.pass(now, Input::Tick, bus, of_person));
+        }
+        answers
+    }
+
+    /// What the person does on the page.
+    fn person_acts(
+        &mut self,
+        now: Instant,
+        bus: Option<&mut Bus>,
+        of_person: BusSettings,
+    ) -> Answers {
+        if self.end.is_some() || self.died {
+            self.person_acts = None;
+        }
+        // A start that is too old must start nothing: the rules find a motor that it drives.
+        let is_old = self.rng.u8(..8) == 0;
+        let message = match self.person {
+            Person::Arms => self.arm.clone(),
+            Person::Switches => {
+                self.person = Person::Starts;
+                self.person_acts = Some(now + SWITCHED_AFTER);
+                let mode = self.mode;
+                let switch = |id: &MotorId| Command::SwitchMode { id: *id, mode };
+                let Some(bus) = bus else {
+                    return Answers::new();
+                };
+                let mut line = Watched {
+                    bus,
+                    answers: Answers::new(),
+                };
+                for command in self.motors.iter().map(switch) {
+                    // What is refused now may be accepted later.
+                    let _ = line.command(now, command);
+                }
+                return line.answers;
+            }
+            Person::Starts if now >= self.gives_up => ToRun::Abort,
+            Person::Starts => ToRun::Start { run: 1 },
+            Person::Pauses => match self.rng.u8(..60) {
+                0 => ToRun::Abort,
+                1 => ToRun::FocusLost,
+                2..5 => {
+                    self.person = Person::Resumes;
+                    ToRun::Pause
+                }
+                _ => return Answers::new(),
+            },
+            Person::Resumes => {
+                self.person = Person::Pauses;
+                ToRun::Resume
+            }
         };
-        // Only the first of them starts motion: what was stopped is never started by the next tick.
-        let command = if self.given.is_none() {
-            Command::DriveGroup {
-                setpoints: group,
-                consent,
-            }
-        } else {
-            Command::AdjustGroup {
-                setpoints: group,
-                consent,
-            }
+        let Ok(bytes) = encode(&message) else {
+            return Answers::new();
         };
-        self.given = Some(setpoints);
-        vec![command]
+        let line = Host::line_state(now, bus.as_deref());
+        let input = Input::Message {
+            bytes,
+            is_old,
+            line,
+        };
+        self.pass(now, input, bus, of_person)
     }
 
-    /// The bus has answered a command of the run.
-    pub(crate) fn answered(&mut self, now: Instant, command: Command, answer: Result<(), Refusal>) {
-        let drives = matches!(
-            command,
-            Command::DriveGroup { .. } | Command::AdjustGroup { .. }
-        );
-        if drives && answer.is_err() {
-            self.end_by(now, Cause::Refused(self.first()));
+    /// Passes an input, as the port worker does.
+    fn pass(
+        &mut self,
+        now: Instant,
+        input: Input,
+        bus: Option<&mut Bus>,
+        of_person: BusSettings,
+    ) -> Answers {
+        if self.died {
+            return Answers::new();
         }
+        let mut line = bus.map(|bus| Watched {
+            bus,
+            answers: Answers::new(),
+        });
+        let traps = self.traps.is_some_and(|at| at <= now);
+        let program = &mut self.program;
+        let call = |now, input: &Input| (!traps).then(|| program.handle(now, input));
+        let passed = self.host.pass(now, input, line.as_mut(), of_person, call);
+        self.died = passed.is_err();
+        let answers = line.map_or_else(Answers::new, |line| line.answers);
+        let starts = |(command, answer): &(Command, Result<(), Refusal>)| {
+            matches!((command, answer), (Command::DriveGroup { .. }, Ok(())))
+        };
+        self.has_driven |= answers.iter().any(starts);
+        for message in self.program.take_messages() {
+            if let FromRun::State(state) = message {
+                match (state.phase, self.person) {
+                    (Phase::Armed { .. }, Person::Arms) => self.person = Person::Switches,
+                    (Phase::Running, Person::Starts) => self.person = Person::Pauses,
+                    (Phase::Ended(end), _) => self.end = Some(end),
+                    _ => {}
+                }
+            }
+        }
+        answers
     }
 
     /// The bus reports something.
-    pub(crate) fn on_event(&mut self, now: Instant, event: &Event) {
-        match event {
-            Event::Telemetry(sample) => {
-                let had_ended = self.end().is_some();
-                let reported = Telemetry::of(sample.at, &sample.reply);
-                self.runner.telemetry(reported);
-                if !had_ended && self.end().is_some() {
-                    self.wake = Some(now);
-                }
-            }
-            Event::Withdrawn { id, reason } => {
-                let cause = match reason {
-                    WithdrawReason::Silent | WithdrawReason::NotEnabled => Cause::Silent(*id),
-                    WithdrawReason::Fault(faults) => Cause::Fault(*id, *faults),
-                    WithdrawReason::OtherLoop { reported } => Cause::OtherLoop(*id, *reported),
-                    WithdrawReason::Limit(_) => Cause::Limit(*id, ExceededLimit::OfBus),
-                };
-                self.end_by(now, cause);
-            }
-            Event::StopBegan(reason) if self.given.is_some() => {
-                let cause = match reason {
-                    StopReason::PageGone => Cause::TabClosed,
-                    StopReason::PageSilent => Cause::PageSilent,
-                    StopReason::PageHidden => Cause::FocusLost,
-                    StopReason::ComputerSlept => Cause::Slept,
-                    StopReason::LoopDelayed => Cause::Late,
-                    _ => Cause::Stopped,
-                };
-                self.end_by(now, cause);
-            }
-            _ => {}
+    pub(crate) fn on_event(
+        &mut self,
+        now: Instant,
+        event: &Event,
+        bus: &mut Bus,
+        of_person: BusSettings,
+    ) -> Answers {
+        let separate = bus.model().has_separate_frames();
+        match self.host.input_of(event, separate) {
+            Some(input) => self.pass(now, input, Some(bus), of_person),
+            None => Answers::new(),
         }
     }
 
-    /// A person's command was taken. One that drives or stops ends the run.
-    pub(crate) fn commanded(&mut self, now: Instant, command: Command) {
-        let cause = match command {
-            // Another motor is no concern of the run.
-            Command::Drive { id, .. }
-            | Command::Adjust { id, .. }
-            | Command::SwitchMode { id, .. }
-            | Command::Stop(id)
-            | Command::Hold(id)
-                if !self.moves(id) =>
-            {
-                return;
-            }
-            Command::Stop(_) | Command::StopAll(_) | Command::Hold(_) => Cause::Stopped,
-            command if command.may_move() => Cause::Driven(self.first()),
-            _ => return,
+    /// A person's command comes. One that drives stops the run before.
+    pub(crate) fn before_command(
+        &mut self,
+        now: Instant,
+        command: Command,
+        bus: &mut Bus,
+        of_person: BusSettings,
+    ) -> (Option<Input>, Answers) {
+        let input = self.host.ended_by(command);
+        let mut line = Watched {
+            bus,
+            answers: Answers::new(),
         };
-        self.end_by(now, cause);
+        if let Some(Input::Driven(_)) = input {
+            self.host.stop(now, Some(&mut line), of_person);
+        }
+        (input, line.answers)
+    }
+
+    /// The bus has answered that command.
+    pub(crate) fn after_command(
+        &mut self,
+        now: Instant,
+        input: Input,
+        bus: &mut Bus,
+        of_person: BusSettings,
+    ) -> Answers {
+        self.pass(now, input, Some(bus), of_person)
     }
 
     /// The adapter is gone, and the bus with it.
-    pub(crate) fn unplugged(&mut self, now: Instant) {
-        self.end_by(now, Cause::Unplugged);
-    }
-
-    fn end_by(&mut self, now: Instant, cause: Cause) {
-        if self.end().is_none() {
-            self.runner.abort(now, cause);
-            self.wake = Some(now);
+    pub(crate) fn unplugged(&mut self, now: Instant, of_person: BusSettings) {
+        if self.host.wake().is_some() {
+            self.pass(now, Input::Unplugged, None, of_person);
         }
     }
 
-    fn first(&self) -> MotorId {
-        let first = self.runner.plan().motors().first();
-        first.map_or(MotorId::FIRST, |motor| motor.id)
+    /// Whether the program has failed.
+    pub(crate) const fn has_died(&self) -> bool {
+        self.died
+    }
+}
+
+const fn quantity_mode(quantity: Quantity) -> Mode {
+    match quantity {
+        Quantity::Rpm => Mode::Velocity,
+        Quantity::Amps => Mode::Current,
+        Quantity::Degrees => Mode::Position,
     }
 }
 

@@ -12,6 +12,8 @@ use motorlink_experiments::{
 use motorlink_protocol::Instant;
 use serde::{Deserialize, Serialize};
 
+use crate::encode;
+
 /// From the page to the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToRun {
@@ -86,6 +88,21 @@ pub struct RunState {
     pub step: usize,
 }
 
+/// [`FromRun::Died`], encoded. The port worker sends it without the program of the runs.
+pub const DIED: [u8; 1] = [4];
+
+/// A [`ToPage::Run`](crate::ToPage::Run) with this message, encoded. The program of the runs posts it, which has none of
+/// the other messages to the page.
+///
+/// # Errors
+/// A message of ours always encodes; the error is that of the encoder.
+pub fn to_page(message: &FromRun) -> Result<Vec<u8>, postcard::Error> {
+    encode(&(TO_PAGE_RUN, encode(message)?))
+}
+
+/// The number of [`ToPage::Run`](crate::ToPage::Run) among the messages to the page.
+const TO_PAGE_RUN: u32 = 4;
+
 /// Why no run was armed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum NotArmed {
@@ -107,7 +124,15 @@ mod tests {
     use motorlink_protocol::MotorId;
 
     use super::*;
-    use crate::{decode, encode};
+    use crate::{ToPage, decode};
+
+    #[test]
+    fn messages_that_are_encoded_in_parts_are_those_of_the_enums() {
+        assert_eq!(encode(&FromRun::Died).unwrap(), DIED);
+        let refused = FromRun::NotStarted(StartRefusal::ArmedTooLongAgo);
+        let whole = ToPage::Run(encode(&refused).unwrap());
+        assert_eq!(to_page(&refused).unwrap(), encode(&whole).unwrap());
+    }
 
     #[test]
     fn messages_arrive_as_they_were_sent() {

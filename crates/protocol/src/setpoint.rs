@@ -106,6 +106,25 @@ impl Drive {
     pub const fn brakes(self) -> bool {
         self.brake == Self::BRAKE
     }
+
+    /// The setpoint that a motor reads in this loop.
+    #[must_use]
+    pub fn setpoint(self, mode: Mode) -> Setpoint {
+        match mode {
+            Mode::Velocity if self.brakes() && self.signed() == 0 => Setpoint::Brake,
+            Mode::Velocity => Setpoint::Velocity {
+                speed: SpeedTarget::clamped(self.signed().into()),
+                acceleration: self.acceleration,
+            },
+            Mode::Current => {
+                Setpoint::Current(CurrentTarget::new(self.signed().into()).unwrap_or_default())
+            }
+            Mode::Position => {
+                Setpoint::Position(PositionTarget::new(self.unsigned().into()).unwrap_or_default())
+            }
+            Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::nearest(self.signed())),
+        }
+    }
 }
 
 impl From<Setpoint> for Drive {

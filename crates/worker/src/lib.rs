@@ -3,7 +3,8 @@
 //! The first one controls the motors, not the page: browsers slow down the timers of a hidden page, and
 //! a busy page is late, but a worker's loop is not affected. The recorder keeps the packet log and the
 //! recording in a second worker, so that slow work there delays neither frames nor the screen. A third one
-//! writes, reads and replays session files; it is started when it is used. They are separate programs (`src/bin/`), so
+//! writes, reads and replays session files; it is started when it is used. The runs of experiments are a program that the
+//! first one loads into its own thread. They are separate programs (`src/bin/`), so
 //! that the page loads first. The messages between the page and the workers are in `motorlink-messages`.
 //!
 //! | file | what it holds |
@@ -19,6 +20,7 @@
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
 //! | `scope` | the worker's global object: clock, messages |
+//! | `runs` | the runs of experiments: a program of its own, which the port worker loads and calls |
 //! | `recorder` | the second worker: `motorlink-recorder` in the browser |
 //! | `sessions` | the third worker: `motorlink-session` in the browser |
 //! | `turn_scheduler` | the turns of a worker with much to do |
@@ -35,6 +37,7 @@ mod local_time;
 mod outbox;
 mod port_owner;
 mod recorder;
+mod runs;
 mod scope;
 mod serial;
 mod session;
@@ -63,6 +66,12 @@ pub fn start_recorder() {
 pub fn start_sessions() {
     on_panic(sessions::died);
     sessions::start();
+}
+
+/// Handles an input of the port worker in the program of the runs: see `runs`.
+#[must_use]
+pub fn run_program(input: &[u8], now_us: f64) -> Vec<u8> {
+    runs::program::handle(input, now_us)
 }
 
 fn on_panic(report: impl Fn() + Send + Sync + 'static) {

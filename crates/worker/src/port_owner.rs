@@ -5,6 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output, Refusal};
 use motorlink_messages::{ModelChoice, Notice, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_runs::Input;
 use web_sys::MessagePort;
 
 use crate::{
@@ -12,6 +13,7 @@ use crate::{
     claim::release_claim,
     forwarding::forward,
     outbox::{CurrentState, Outbox},
+    runs::host::Runs,
     scope::Clock,
     session::{AfterClosing, Session, Stage},
     traffic::TrafficQueue,
@@ -35,6 +37,7 @@ pub(crate) struct PortOwner {
     pub(crate) model: ModelChoice,
     /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
+    pub(crate) runs: Runs,
     /// How far our clock is ahead of the page's, by the message with the least delay so far.
     ahead_of_page_ms: f64,
 }
@@ -55,6 +58,7 @@ impl PortOwner {
             settings: BusSettings::default(),
             model: ModelChoice::default(),
             halted: false,
+            runs: Runs::default(),
             ahead_of_page_ms: f64::INFINITY,
         }
     }
@@ -94,6 +98,7 @@ impl PortOwner {
         self.generation += 1;
         self.outbox.touch();
         let now = self.now();
+        self.runs.closed(now, Input::Closed, self.settings);
         let mut left = std::mem::replace(&mut self.session, session);
         if let Session::Open(open) = &mut left {
             // A scan or an ID change that ends with its port is reported as cancelled.
@@ -130,6 +135,7 @@ impl PortOwner {
             .map(|m| m.id)
             .collect();
         self.outbox.notice(Notice::AdapterLost { driven });
+        self.runs.closed(now, Input::Unplugged, self.settings);
         // It is claimed again when it is back.
         release_claim();
         let waiting = if leaving.is_some() {
@@ -148,12 +154,21 @@ impl PortOwner {
         let mut wake = None;
         let mut left = None;
         if let Session::Open(open) = &mut self.session {
+            let settings = self.settings;
+            // Before the bus, which then sends the setpoints of this moment.
+            self.runs.tick(now, &mut open.bus, settings);
             let at = loop {
                 while let Some(bytes) = open.line.take_received(now) {
                     open.bus.receive(now, &bytes);
                 }
-                match open.bus.poll(now) {
-                    Output::Transmit(frame) if open.line.write(now, frame) => {}
+                let output = open.bus.poll(now);
+                if let Output::Event(event) = &output {
+                    self.runs.event(now, event, &mut open.bus, settings);
+                }
+                match output {
+                    Output::Transmit(frame) if open.line.write(now, frame) => {
+                        self.runs.taken = self.clock.now();
+                    }
                     Output::Transmit(_) => open.bus.transmit_failed(),
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
                     // Events of a port on trial too: the log shows all traffic.
@@ -171,7 +186,8 @@ impl PortOwner {
             };
             // The bus stops all motors by itself after a silence of the page or a sleep of the computer.
             self.halted |= open.bus.is_halted();
-            wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
+            let others = [open.line.next_event(), self.runs.wake()];
+            wake = others.into_iter().flatten().chain([at]).min();
         }
         // The recorder gets all traffic of a port before the page learns that the port is closed.
         if self.traffic.due().is_some_and(|due| due <= now) {

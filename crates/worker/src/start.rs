@@ -2,12 +2,14 @@
 
 use std::{cell::RefCell, rc::Rc};
 
+use motorlink_bus::COMMAND_AGE_MAX;
 use motorlink_messages::{ToPage, ToWorker, decode};
 
 use crate::{
     alarm::Alarm,
     connecting::{adapter_plugged, pump, stop_and_close},
     port_owner::{PortOwner, Shared},
+    runs::loading::run_message,
     scope::{self, Clock, Incoming},
     serial,
     session::AfterClosing,
@@ -59,7 +61,10 @@ fn handle(shared: &Shared, message: ToWorker) {
         }
         ToWorker::VirtualWire(wire) => shared.borrow_mut().set_virtual_wire(wire),
         ToWorker::Pong { page_ms } => shared.borrow_mut().page_answered(page_ms),
-        ToWorker::Run { .. } => {}
+        ToWorker::Run { message, given_ms } => {
+            let is_old = shared.borrow().age(given_ms) > COMMAND_AGE_MAX;
+            run_message(shared, (message, is_old));
+        }
     }
     pump(shared);
 }

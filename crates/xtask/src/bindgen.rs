@@ -26,6 +26,8 @@ pub enum Program {
     Recorder,
     /// The worker that writes and reads session files.
     Sessions,
+    /// The runs of experiments, in the thread of the port worker.
+    Runs,
 }
 
 impl Program {
@@ -36,6 +38,7 @@ impl Program {
             Self::Worker => "worker",
             Self::Recorder => "recorder",
             Self::Sessions => "sessions",
+            Self::Runs => "runs",
         }
     }
 }
@@ -47,6 +50,7 @@ pub struct Programs {
     pub worker: Module,
     pub recorder: Module,
     pub sessions: Module,
+    pub runs: Module,
 }
 
 /// The output of wasm-bindgen.
@@ -77,6 +81,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
         worker: bind(Program::Worker)?,
         recorder: bind(Program::Recorder)?,
         sessions: bind(Program::Sessions)?,
+        runs: bind(Program::Runs)?,
     })
 }
 

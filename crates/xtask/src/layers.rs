@@ -24,7 +24,7 @@ const CRATES: [&[&str]; 10] = [
     &["motorlink-worker"],
     &["motorlink-fault-simulation", "virtual-motor", "session"],
     &["motorlink-session"],
-    &["motorlink-recorder"],
+    &["motorlink-recorder", "motorlink-runs"],
     &["motorlink-messages"],
     &[
         "motorlink-bus",
@@ -34,7 +34,7 @@ const CRATES: [&[&str]; 10] = [
     ],
     &["motorlink-protocol"],
     // What needs nothing of ours.
-    &["motorlink-web-server", "udev-shim"],
+    &["motorlink-markup", "motorlink-web-server", "udev-shim"],
 ];
 
 /// The modules of a crate, and which of them each one uses.

@@ -25,6 +25,7 @@ struct Parts {
     page_boot: String,
     worker_boot: String,
     adapters: String,
+    runs_loader: String,
     installed: String,
     style: String,
     later_style: String,
@@ -41,6 +42,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
         page_boot: read(&boot.join("page.js"))?,
         worker_boot: read(&boot.join("worker.js"))?,
         adapters: read(&boot.join("adapters.js"))?,
+        runs_loader: read(&boot.join("runs.js"))?,
         installed: service_worker::page_part(profile)?,
         style: style(&workspace.root().join("style"))?,
         later_style: style(&workspace.root().join("style/later"))?,
@@ -104,12 +106,18 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &parts.programs.page,
         &[("later_style", &later_style)],
     )?;
+    let runs = files.add_program(Program::Runs, &parts.programs.runs);
     let worker_boot = files.add_boot(
         "worker",
-        &[parts.adapters.as_str(), &parts.worker_boot].concat(),
+        &[
+            parts.adapters.as_str(),
+            &parts.runs_loader,
+            &parts.worker_boot,
+        ]
+        .concat(),
         Program::Worker,
         &parts.programs.worker,
-        &[],
+        &[("runs_wasm", &runs.wasm), ("runs_glue", &runs.glue)],
     )?;
     let recorder_boot = files.add_boot(
         "recorder",
@@ -267,6 +275,7 @@ mod tests {
             page_boot: "{{wasm}} {{glue}} {{later_style}}".to_owned(),
             worker_boot: "{{wasm}} {{glue}}".to_owned(),
             adapters: "adapters".to_owned(),
+            runs_loader: "{{runs_wasm}} {{runs_glue}}".to_owned(),
             installed: "installed".to_owned(),
             style: "p {}".to_owned(),
             later_style: "q {}".to_owned(),
@@ -317,6 +326,8 @@ mod tests {
             let text = starting(&files, boot).1;
             assert!(text.contains(".wasm") && text.contains(&format!("{stem}glue-")));
         }
+        let (runs, _) = starting(&files, "runs-glue-");
+        assert!(starting(&files, "worker-boot-").1.contains(&runs), "{runs}");
         let (part, _) = starting(&files, "graph-");
         assert!(glue_text.contains(&format!("\"./{part}\"")), "{glue_text}");
         let (snippet, _) = starting(&files, "motorlink-snippets-");
@@ -360,6 +371,7 @@ mod tests {
     fn the_boot_scripts_have_a_place_for_each_name() {
         let mut real = parts();
         real.page_boot = include_str!("../../../boot/page.js").to_owned();
+        real.runs_loader = include_str!("../../../boot/runs.js").to_owned();
         real.worker_boot = include_str!("../../../boot/worker.js").to_owned();
         assemble(&real).unwrap();
     }

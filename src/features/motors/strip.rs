@@ -52,6 +52,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
             <div class="motor-strip-end">
                 <DrawerButton which=Drawer::Together label=tr!("Drive together") />
                 <DrawerButton which=Drawer::Link label=tr!("Link") />
+                <DrawerButton which=Drawer::Experiments label=tr!("Experiments") />
                 <DrawerButton which=Drawer::Session label=tr!("Session file") />
                 <DrawerButton which=Drawer::Settings label=tr!("Settings") />
             </div>

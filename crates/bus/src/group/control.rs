@@ -73,6 +73,38 @@ impl Bus {
         Ok(())
     }
 
+    /// Changes the setpoints of a driven group at a time of its own plan; never starts a motor. Unlike
+    /// [`Command::AdjustGroup`](crate::Command::AdjustGroup), each setpoint goes out at once, at any command rate, even
+    /// if it is the same as before: the caller paces the frames.
+    ///
+    /// # Errors
+    /// The [`Refusal`] says why; nothing has changed then.
+    pub fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal> {
+        self.begin_call(now);
+        if self.watchdog.has_expired() {
+            return Err(Refusal::PageSilent);
+        }
+        let mut waiting = Vec::new();
+        let mut changed = false;
+        for (id, setpoint) in setpoints.entries() {
+            let driven = self.motor_mut(id).and_then(Motor::driven_mut);
+            let driven = driven.ok_or(Refusal::NotDriven(id))?;
+            waiting.push((id, driven.next_frame));
+            changed |= driven.goal != setpoint;
+        }
+        // A zero that is only repeated must not cut the replies of the other motors short.
+        if changed {
+            self.adjust_group(now, setpoints, Consent::None)?;
+        }
+        for (id, next_frame) in waiting {
+            if let Some(driven) = self.motor_mut(id).and_then(Motor::driven_mut) {
+                // On a full line, a motor that has waited longer comes first.
+                driven.next_frame = next_frame.min(now);
+            }
+        }
+        Ok(())
+    }
+
     /// Zero or brake for one motor of a group stops the group. Returns whether it did.
     pub(crate) fn stops_group(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) -> bool {
         let is_stop = is_rest(setpoint) && self.check_not_in_group(id).is_err();

@@ -1,8 +1,7 @@
 //! Frames that were sent: what they show that the bus does with a motor.
 
 use motorlink_protocol::{
-    CurrentTarget, Drive, Frame, Instant, Mode, MotorId, OpenLoopTarget, PositionTarget, Setpoint,
-    SpeedTarget,
+    Drive, Frame, Instant, Mode, MotorId, Setpoint,
     family::{Model, Request},
 };
 
@@ -188,7 +187,7 @@ impl Observer {
     ) -> (Control, Sent) {
         let is_stop = self.bus.stop.is_some();
         let model = self.bus.model;
-        let goal = mode.map(|mode| setpoint(drive, mode));
+        let goal = mode.map(|mode| drive.setpoint(mode));
         let motor = self.bus.motors.iter().find(|motor| motor.id == id);
         let switches = motor.is_some_and(|motor| matches!(motor.control, Control::Switching(_)));
         // The neutral frames of a switch do not brake.
@@ -270,24 +269,6 @@ fn in_units(model: Model, frame: &Frame, mode: Option<Mode>) -> Option<Drive> {
     match Request::parse(Model::Ddsm115, &frame) {
         Ok(Request::Drive { drive, .. }) => Some(drive),
         _ => None,
-    }
-}
-
-/// The setpoint of a drive frame in units of the bus, read in this loop.
-fn setpoint(drive: Drive, mode: Mode) -> Setpoint {
-    match mode {
-        Mode::Velocity if drive.brakes() && drive.signed() == 0 => Setpoint::Brake,
-        Mode::Velocity => Setpoint::Velocity {
-            speed: SpeedTarget::clamped(drive.signed().into()),
-            acceleration: drive.acceleration,
-        },
-        Mode::Current => {
-            Setpoint::Current(CurrentTarget::new(drive.signed().into()).unwrap_or_default())
-        }
-        Mode::Position => {
-            Setpoint::Position(PositionTarget::new(drive.unsigned().into()).unwrap_or_default())
-        }
-        Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::nearest(drive.signed())),
     }
 }
 

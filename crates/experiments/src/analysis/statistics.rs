@@ -32,6 +32,15 @@ impl Estimate {
         }
     }
 
+    /// An estimate from the values that follow if each of the repeats is left out once.
+    pub(crate) fn by_jackknife(value: f64, without: &[f64]) -> Self {
+        let count = f64::from(u32::try_from(without.len()).unwrap_or(u32::MAX));
+        let middle = mean(without.iter().copied()).unwrap_or(value);
+        let squares: f64 = without.iter().map(|one| (one - middle).powi(2)).sum();
+        let error = ((count - 1.0) / count * squares).sqrt();
+        Self::by_error(value, error, count - 1.0)
+    }
+
     /// The unknowns of a fit.
     pub(super) fn of<const N: usize>(fit: &Fit<N>) -> [Self; N] {
         let mut errors = fit.errors.into_iter();

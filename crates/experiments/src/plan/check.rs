@@ -235,6 +235,7 @@ impl Check<'_> {
                 quantity,
                 least: f64::INFINITY,
                 greatest: f64::NEG_INFINITY,
+                mirrored: self.fleet.mirrored.contains(&id),
             });
         }
         let Some(motor) = self.motors.get_mut(at) else {

@@ -24,6 +24,9 @@ pub struct Fleet {
     pub groups: Vec<(String, Vec<MotorId>)>,
     /// Maximal speed of the slowest model, in rpm.
     pub rpm_max: f64,
+    /// Motors that are mounted mirrored. A sequence and a record have the signs of the operator; the frames of these
+    /// motors have the opposite sign of speed and current.
+    pub mirrored: Vec<MotorId>,
 }
 
 impl Fleet {
@@ -33,6 +36,7 @@ impl Fleet {
             motors: motors.into_iter().collect(),
             groups: Vec::new(),
             rpm_max: RPM_MAX,
+            mirrored: Vec::new(),
         }
     }
 }
@@ -58,6 +62,8 @@ pub struct PlanMotor {
     pub least: f64,
     /// Greatest setpoint.
     pub greatest: f64,
+    /// Whether its frames have the opposite sign of speed and current.
+    pub mirrored: bool,
 }
 
 impl PlanMotor {

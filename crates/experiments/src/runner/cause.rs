@@ -113,6 +113,8 @@ pub enum StartRefusal {
     Fault(MotorId, Faults),
     /// The motor has not reported its angle, at which the run begins.
     NoAngle(MotorId),
+    /// The start came too long after the person's act: the page did not respond in between.
+    TooLate,
 }
 
 impl fmt::Display for Cause {
@@ -185,6 +187,7 @@ impl fmt::Display for StartRefusal {
                 "Motor {} has not reported its angle. Wait for telemetry.",
                 id.get()
             ),
+            Self::TooLate => f.write_str("The page was not responding. Press Start again."),
         }
     }
 }

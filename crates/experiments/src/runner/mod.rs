@@ -9,6 +9,7 @@
 
 mod cause;
 mod cursor;
+mod mirror;
 mod record;
 mod watch;
 
@@ -22,6 +23,7 @@ pub use watch::Telemetry;
 
 use crate::plan::{Plan, PlanMotor};
 use cursor::{Cursor, Progress};
+use mirror::reversed;
 use watch::Watch;
 
 /// Maximal time between arming and the start, so that the user has just read what will move.
@@ -148,6 +150,16 @@ impl Runner {
         }
     }
 
+    /// The time of the plan, without pauses; `None` before the start and after the end.
+    #[must_use]
+    pub fn passed(&self, now: Instant) -> Option<Duration> {
+        match &self.state {
+            State::Running(run) => Some(now.since(run.base)),
+            State::Paused { run, since } => Some(since.since(run.base)),
+            State::Armed { .. } | State::Ended { .. } => None,
+        }
+    }
+
     /// The sent setpoints and the telemetry, kept after every end of the run.
     #[must_use]
     pub const fn record(&self) -> &Record {
@@ -222,6 +234,8 @@ impl Runner {
         else {
             return;
         };
+        let mirrored = self.is_mirrored(reply.id);
+        let reply = if mirrored { reply.reversed() } else { reply };
         let cause = self
             .plan
             .motors
@@ -238,8 +252,19 @@ impl Runner {
     /// The port has taken the drive frame of a setpoint of the last tick, at this time.
     pub fn sent(&mut self, at: Instant, id: MotorId, setpoint: Setpoint) {
         if matches!(self.state, State::Running(_) | State::Paused { .. }) {
+            let mirrored = self.is_mirrored(id);
+            let setpoint = if mirrored {
+                reversed(setpoint)
+            } else {
+                setpoint
+            };
             self.record.sent(at, id, setpoint);
         }
+    }
+
+    fn is_mirrored(&self, id: MotorId) -> bool {
+        let mut motors = self.plan.motors.iter();
+        motors.any(|motor| motor.id == id && motor.mirrored)
     }
 
     /// Returns what to do now. An early or late call does not shift the plan.
@@ -320,9 +345,17 @@ impl Runner {
     }
 }
 
+/// The setpoints with the signs of the wire.
 fn pairs(motors: &[PlanMotor], setpoints: &[Setpoint]) -> Vec<(MotorId, Setpoint)> {
-    let ids = motors.iter().map(|motor| motor.id);
-    ids.zip(setpoints.iter().copied()).collect()
+    let of_motor = |(motor, setpoint): (&PlanMotor, &Setpoint)| {
+        let sent = if motor.mirrored {
+            reversed(*setpoint)
+        } else {
+            *setpoint
+        };
+        (motor.id, sent)
+    };
+    motors.iter().zip(setpoints).map(of_motor).collect()
 }
 
 /// The next of the times `base + n * period`. A late tick does not delay the later ones.

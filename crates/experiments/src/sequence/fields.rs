@@ -7,27 +7,27 @@ use super::{Problem, SequenceError};
 /// Maximal characters of an unknown field that an error quotes.
 const FIELD_SHOWN_MAX: usize = 32;
 
-pub(super) type Result<T> = std::result::Result<T, SequenceError>;
+pub(crate) type Result<T> = std::result::Result<T, SequenceError>;
 
 /// A value of the file, and its place.
-pub(super) struct Node<'a> {
-    pub(super) place: String,
-    pub(super) value: RawJsonValue<'a, 'a>,
+pub(crate) struct Node<'a> {
+    pub(crate) place: String,
+    pub(crate) value: RawJsonValue<'a, 'a>,
 }
 
 impl<'a> Node<'a> {
-    pub(super) const fn root(value: RawJsonValue<'a, 'a>) -> Self {
+    pub(crate) const fn root(value: RawJsonValue<'a, 'a>) -> Self {
         Self {
             place: String::new(),
             value,
         }
     }
 
-    pub(super) fn wrong(&self, problem: Problem) -> SequenceError {
+    pub(crate) fn wrong(&self, problem: Problem) -> SequenceError {
         SequenceError::at(self.place.clone(), problem)
     }
 
-    pub(super) fn number(&self) -> Result<f64> {
+    pub(crate) fn number(&self) -> Result<f64> {
         let number = self.value.as_number_str().ok();
         let number = number.and_then(|digits| digits.parse::<f64>().ok());
         // A number with too many digits is infinite, which is out of every range.
@@ -35,7 +35,7 @@ impl<'a> Node<'a> {
         finite.ok_or_else(|| self.wrong(Problem::Expected("a number")))
     }
 
-    pub(super) fn whole(&self, max: f64) -> Result<u32> {
+    pub(crate) fn whole(&self, max: f64) -> Result<u32> {
         let value = self.number()?;
         if value < 0.0 {
             return Err(self.wrong(Problem::Below { value, min: 0.0 }));
@@ -48,7 +48,7 @@ impl<'a> Node<'a> {
         whole.ok_or_else(|| self.wrong(Problem::Expected("a whole number")))
     }
 
-    pub(super) fn text(&self, max: usize) -> Result<String> {
+    pub(crate) fn text(&self, max: usize) -> Result<String> {
         let text = self.value.to_unquoted_string_str().ok();
         let fits = |text: &str| text.chars().count() <= max && !text.contains(char::is_control);
         let text = text.filter(|text| fits(text));
@@ -58,13 +58,13 @@ impl<'a> Node<'a> {
 }
 
 /// The fields of an object. All of them must be taken.
-pub(super) struct Object<'a> {
+pub(crate) struct Object<'a> {
     place: String,
     fields: Vec<(String, RawJsonValue<'a, 'a>)>,
 }
 
 impl<'a> Object<'a> {
-    pub(super) fn of(node: &Node<'a>, expected: &'static str) -> Result<Self> {
+    pub(crate) fn of(node: &Node<'a>, expected: &'static str) -> Result<Self> {
         let members = node.value.to_object();
         let members = members.map_err(|_| node.wrong(Problem::Expected(expected)))?;
         let mut fields: Vec<(String, RawJsonValue)> = Vec::new();
@@ -82,7 +82,7 @@ impl<'a> Object<'a> {
         Ok(object(fields))
     }
 
-    pub(super) fn wrong(&self, name: &str, problem: Problem) -> SequenceError {
+    pub(crate) fn wrong(&self, name: &str, problem: Problem) -> SequenceError {
         let shown = name.chars().filter(|character| !character.is_control());
         let shown: String = shown.take(FIELD_SHOWN_MAX).collect();
         let dot = if self.place.is_empty() || shown.is_empty() {
@@ -93,24 +93,24 @@ impl<'a> Object<'a> {
         SequenceError::at(format!("{}{dot}{shown}", self.place), problem)
     }
 
-    pub(super) fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.fields.iter().any(|(field, _)| field == name)
     }
 
-    pub(super) fn take(&mut self, name: &str) -> Option<Node<'a>> {
+    pub(crate) fn take(&mut self, name: &str) -> Option<Node<'a>> {
         let at = self.fields.iter().position(|(field, _)| field == name)?;
         let (_, value) = self.fields.swap_remove(at);
         let place = self.wrong(name, Problem::Missing).place;
         Some(Node { place, value })
     }
 
-    pub(super) fn need(&mut self, name: &str) -> Result<Node<'a>> {
+    pub(crate) fn need(&mut self, name: &str) -> Result<Node<'a>> {
         let missing = self.wrong(name, Problem::Missing);
         self.take(name).ok_or(missing)
     }
 
     /// Refuses remaining fields.
-    pub(super) fn end(self) -> Result<()> {
+    pub(crate) fn end(self) -> Result<()> {
         match self.fields.first() {
             None => Ok(()),
             Some((name, _)) => Err(self.wrong(name, Problem::UnknownField)),

@@ -2,7 +2,7 @@
 
 mod csv;
 mod error;
-mod fields;
+pub(crate) mod fields;
 mod read;
 mod schema;
 mod template;

@@ -13,14 +13,20 @@ impl Sequence {
         let text = json(|f| {
             f.set_indent_size(2);
             f.set_spacing(true);
-            f.object(|f| {
-                f.member("motorlink_sequence", super::VERSION)?;
-                f.member("name", &self.name)?;
-                f.member("limits", self.limits)?;
-                f.member("steps", &self.steps)
-            })
+            f.value(self)
         });
         format!("{text}\n")
+    }
+}
+
+impl DisplayJson for Sequence {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        f.object(|f| {
+            f.member("motorlink_sequence", super::VERSION)?;
+            f.member("name", &self.name)?;
+            f.member("limits", self.limits)?;
+            f.member("steps", &self.steps)
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use motorlink_experiments::{
     analysis::{Point, Trace},
     plan::{Fleet, Plan},
-    runner::{End, Options, Runner, Telemetry, Tick},
+    runner::{End, Options, Record, Runner, Telemetry, Tick},
     sequence::Sequence,
 };
 use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, Reply, Request};
@@ -22,6 +22,8 @@ pub struct Bench {
     now: Instant,
     random: fastrand::Rng,
     expect: Option<Layout>,
+    /// The record of the last run.
+    pub record: Record,
 }
 
 impl Bench {
@@ -43,6 +45,7 @@ impl Bench {
             now,
             random: fastrand::Rng::with_seed(seed),
             expect: None,
+            record: Record::default(),
         }
     }
 
@@ -78,6 +81,7 @@ impl Bench {
                     self.wait(&mut runner, next + late);
                 }
                 Tick::Stop(end) => {
+                    self.record = runner.record().clone();
                     let began = runner.record().began_at().unwrap();
                     let seconds = |at: Instant| at.since(began).as_secs_f64();
                     return Run {

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::html::Element;
+use motorlink_markup::Element;
+
 use crate::overview::{Extent, MotorOverview, Overview};
 
 const WIDTH: f64 = 960.0;

@@ -1,7 +1,6 @@
 //! Exports of a session: CSV tables and a report.
 
 mod graph;
-mod html;
 mod report;
 mod table;
 

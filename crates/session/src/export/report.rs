@@ -2,13 +2,11 @@
 
 use std::time::Duration;
 
+use motorlink_markup::Element;
 use motorlink_protocol::MotorId;
 use motorlink_recorder::push_iso;
 
-use super::{
-    graph::{QUANTITIES, graph},
-    html::Element,
-};
+use super::graph::{QUANTITIES, graph};
 use crate::{
     overview::{Mark, MotorOverview, Overview},
     reader::Problems,

@@ -5,6 +5,7 @@ use std::time::Duration;
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Notice, VirtualWire};
 use motorlink_protocol::{Instant, MotorId};
+use motorlink_runs::{Host, Input};
 
 use super::PortOwner;
 use crate::session::{Session, Stage};
@@ -29,17 +30,40 @@ impl PortOwner {
         }
     }
 
-    pub(crate) fn command(&mut self, command: Command, given_ms: f64) {
-        let now = self.now();
+    /// How long ago the person acted.
+    pub(crate) fn age(&self, given_ms: f64) -> Duration {
         // Before the first message with the page's time no port is open, so nothing can drive.
-        let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
-        let age = Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX);
-        if command.is_too_old(age) {
+        let age_ms = now_ms(self.now()) - self.ahead_of_page_ms - given_ms;
+        Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX)
+    }
+
+    /// Passes a message of the page to the loaded program of the runs.
+    pub(crate) fn run_message(&mut self, (bytes, is_old): (Vec<u8>, bool)) {
+        let now = self.now();
+        let bus = match &mut self.session {
+            Session::Open(open) if matches!(open.stage, Stage::Settled) => Some(&mut open.bus),
+            _ => None,
+        };
+        let line = Host::line_state(now, bus.as_deref());
+        let input = Input::Message {
+            bytes,
+            is_old,
+            line,
+        };
+        self.runs.pass(now, input, bus, self.settings);
+    }
+
+    pub(crate) fn command(&mut self, mut command: Command, given_ms: f64) {
+        let now = self.now();
+        if command.is_too_old(self.age(given_ms)) {
             self.outbox.notice(Notice::TooLate(command.into()));
             return;
         }
         match command {
-            Command::Configure(settings) => self.settings = settings,
+            Command::Configure(of_person) => {
+                self.settings = of_person;
+                command = Command::Configure(self.runs.settings(of_person));
+            }
             Command::StopAll(_) => self.halted = true,
             Command::Release => self.halted = false,
             _ => {}
@@ -52,9 +76,16 @@ impl PortOwner {
             Session::Open(open) => {
                 if command.may_move() && !matches!(open.stage, Stage::Settled) {
                     self.outbox.notice(Notice::NotConnected);
-                } else if let Err(refusal) = open.bus.command(now, command) {
+                    return;
+                }
+                let (bus, settings) = (&mut open.bus, self.settings);
+                let ends_run = self.runs.before_command(now, command, bus, settings);
+                if let Err(refusal) = bus.command(now, command) {
                     let command = command.into();
                     self.outbox.notice(Notice::Refused { command, refusal });
+                }
+                if let Some(input) = ends_run {
+                    self.runs.pass(now, input, Some(bus), settings);
                 }
             }
             _ => match command {

@@ -1,7 +1,7 @@
 //! Measures how much of the bus capacity the page uses, with one motor and with many, and its cost. Prints a table.
 //!
 //! `cargo xtask bench` builds everything and runs this after `instruments`. `--seconds N` sets the duration of each
-//! measurement, and `--only bare`, `rates`, `crowd`, `rover`, `load`, `drawing`, `models`, `stop`, `stall` or `heap`
+//! measurement, and `--only bare`, `rates`, `crowd`, `rover`, `load`, `drawing`, `models`, `stop`, `stall`, `runs` or `heap`
 //! measures a part.
 //! The heap is measured ten times as long, and the graph of `stop` fills for five times as long.
 
@@ -13,6 +13,7 @@ mod load;
 mod models;
 mod rates;
 mod rover;
+mod runs;
 mod stall;
 mod stop;
 
@@ -24,8 +25,8 @@ use end_to_end::{Page, figures::Table};
 /// Duration of each measurement.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 10] = [
-    "bare", "rates", "crowd", "rover", "load", "drawing", "models", "stop", "stall", "heap",
+const PARTS: [&str; 11] = [
+    "bare", "rates", "crowd", "rover", "load", "drawing", "models", "stop", "stall", "runs", "heap",
 ];
 
 fn main() -> ExitCode {
@@ -57,7 +58,7 @@ fn wanted() -> Result<Wanted> {
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
             _ => bail!(
-                "usage: wire [--seconds N] [--only bare|rates|crowd|rover|load|drawing|models|stop|stall|heap]"
+                "usage: wire [--seconds N] [--only bare|rates|crowd|rover|load|drawing|models|stop|stall|runs|heap]"
             ),
         }
     }
@@ -80,6 +81,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "models" => models::measure(wanted.watched),
             "stop" => stop::measure(wanted.watched),
             "stall" => stall::measure(),
+            "runs" => runs::measure(wanted.watched),
             _ => load::measure_heap(wanted.watched),
         };
         if let Err(error) = measured {

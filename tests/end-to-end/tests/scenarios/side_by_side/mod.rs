@@ -23,6 +23,7 @@ mod plotting;
 mod raw_frames;
 mod reflow;
 mod rover;
+mod runs;
 mod scanning;
 mod security;
 mod session;

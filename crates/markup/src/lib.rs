@@ -1,24 +1,26 @@
 //! Builds HTML and SVG from elements. Every text and attribute is escaped.
 
 /// An element with its content.
-#[derive(Debug)]
-pub(super) struct Element {
+#[derive(Clone, Debug)]
+pub struct Element {
     name: &'static str,
     attributes: Vec<(&'static str, String)>,
     content: Vec<Content>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Content {
     Element(Element),
     Text(String),
 }
 
 /// Elements without content and end tag.
-const EMPTY: [&str; 5] = ["meta", "line", "path", "rect", "circle"];
+const EMPTY: [&str; 6] = ["meta", "line", "path", "rect", "circle", "polyline"];
 
 impl Element {
-    pub(super) const fn new(name: &'static str) -> Self {
+    /// An element without attributes and content.
+    #[must_use]
+    pub const fn new(name: &'static str) -> Self {
         Self {
             name,
             attributes: Vec::new(),
@@ -26,28 +28,37 @@ impl Element {
         }
     }
 
-    pub(super) fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
+    /// With this attribute.
+    #[must_use]
+    pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
         self.attributes.push((name, value.into()));
         self
     }
 
-    pub(super) fn text(mut self, text: impl Into<String>) -> Self {
+    /// With this text behind its content.
+    #[must_use]
+    pub fn text(mut self, text: impl Into<String>) -> Self {
         self.content.push(Content::Text(text.into()));
         self
     }
 
-    pub(super) fn child(mut self, element: Self) -> Self {
+    /// With this element behind its content.
+    #[must_use]
+    pub fn child(mut self, element: Self) -> Self {
         self.content.push(Content::Element(element));
         self
     }
 
-    pub(super) fn children(mut self, elements: impl IntoIterator<Item = Self>) -> Self {
+    /// With these elements behind its content.
+    #[must_use]
+    pub fn children(mut self, elements: impl IntoIterator<Item = Self>) -> Self {
         self.content
             .extend(elements.into_iter().map(Content::Element));
         self
     }
 
-    pub(super) fn write(&self, out: &mut String) {
+    /// Appends it to a text.
+    pub fn write(&self, out: &mut String) {
         out.push('<');
         out.push_str(self.name);
         for (name, value) in &self.attributes {

@@ -1,0 +1,287 @@
+//! The charts of findings.
+
+use super::{AxisName, Chart, Line, Look, RUNS_MAX};
+use crate::{
+    analysis::{BodePoint, Point, Trace},
+    study::{Findings, StepFindings, StepGroup},
+};
+
+/// Points of a median curve.
+const MEDIAN_POINTS: u32 = 300;
+
+/// The charts of one run. `name` gives the name of an acceleration.
+#[must_use]
+pub fn charts(findings: &Findings, acceleration: &dyn Fn(u8) -> String) -> Vec<Chart> {
+    if let Findings::Step(found) = findings {
+        return one(
+            AxisName::Time,
+            AxisName::Speed,
+            step_lines(found, acceleration),
+        );
+    }
+    let lines = |kind: usize| lines_of(findings, kind, 0, "");
+    kinds(findings)
+        .iter()
+        .enumerate()
+        .flat_map(|(kind, (x, y))| one(*x, *y, lines(kind)))
+        .collect()
+}
+
+/// Every repeat, the median of each acceleration over them, and the step itself.
+fn step_lines(found: &StepFindings, acceleration: &dyn Fn(u8) -> String) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (colour, group) in found.groups.iter().enumerate() {
+        lines.extend(group.repeats.iter().map(|repeat| Line {
+            colour,
+            look: Look::Faint,
+            name: String::new(),
+            points: pairs(&repeat.rpm),
+        }));
+    }
+    let longest_s = lines
+        .iter()
+        .filter_map(|line| Some(line.points.last()?.0))
+        .fold(0.0, f64::max);
+    let medians = found.groups.iter().enumerate();
+    lines.extend(medians.map(|(colour, group)| Line {
+        colour,
+        look: Look::Plain,
+        name: acceleration(group.acceleration.byte()),
+        points: median(group),
+    }));
+    if longest_s > 0.0 {
+        lines.push(Line {
+            colour: RUNS_MAX,
+            look: Look::Dashed,
+            name: String::new(),
+            points: vec![
+                (0.0, found.from_rpm),
+                (0.0, found.to_rpm),
+                (longest_s, found.to_rpm),
+            ],
+        });
+    }
+    lines
+}
+
+/// The charts of up to eight runs over each other, each with its name. Runs of another study than the first one are
+/// left out.
+#[must_use]
+pub fn compared_charts(runs: &[(String, Findings)]) -> Vec<Chart> {
+    let Some((_, first)) = runs.first() else {
+        return Vec::new();
+    };
+    let same =
+        |findings: &Findings| std::mem::discriminant(findings) == std::mem::discriminant(first);
+    let kinds = kinds(first);
+    kinds
+        .iter()
+        .enumerate()
+        .flat_map(|(kind, (x, y))| {
+            let runs = runs.iter().take(RUNS_MAX).enumerate();
+            let runs = runs.filter(|(_, (_, findings))| same(findings));
+            let lines =
+                runs.flat_map(|(colour, (name, findings))| lines_of(findings, kind, colour, name));
+            one(*x, *y, lines.collect())
+        })
+        .collect()
+}
+
+/// The axes of each chart of such findings.
+const fn kinds(findings: &Findings) -> &'static [(AxisName, AxisName)] {
+    match findings {
+        Findings::Sequence(_) => &[
+            (AxisName::Time, AxisName::Speed),
+            (AxisName::Time, AxisName::Current),
+        ],
+        Findings::Step(_) | Findings::CoastDown(_) => &[(AxisName::Time, AxisName::Speed)],
+        Findings::Frequency(_) => &[
+            (AxisName::Frequency, AxisName::Gain),
+            (AxisName::Frequency, AxisName::Phase),
+            (AxisName::Frequency, AxisName::Coherence),
+        ],
+        Findings::Friction(_) => &[(AxisName::Speed, AxisName::Current)],
+        Findings::Heating(_) => &[(AxisName::Time, AxisName::Temperature)],
+        Findings::TorqueSpeed(_) => &[(AxisName::Torque, AxisName::Speed)],
+    }
+}
+
+fn one(x: AxisName, y: AxisName, lines: Vec<Line>) -> Vec<Chart> {
+    Chart::of(x, y, lines).into_iter().collect()
+}
+
+/// The lines of one chart of one run. Only the first has the name.
+fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<Line> {
+    let line = |look, points| Line {
+        colour,
+        look,
+        name: String::new(),
+        points,
+    };
+    let mut lines: Vec<Line> = match findings {
+        Findings::Sequence(motors) => {
+            let signal = |trace: &Trace| match kind {
+                0 => pairs(&trace.rpm),
+                _ => pairs(&trace.amps),
+            };
+            let motors = motors.iter().enumerate();
+            motors
+                .map(|(place, (id, trace))| Line {
+                    colour: (colour + place) % RUNS_MAX,
+                    look: Look::Plain,
+                    name: if name.is_empty() {
+                        id.get().to_string()
+                    } else {
+                        format!("{name} ({})", id.get())
+                    },
+                    points: signal(trace),
+                })
+                .collect()
+        }
+        Findings::Step(found) => {
+            let groups = found.groups.iter();
+            groups
+                .map(|group| line(Look::Plain, median(group)))
+                .collect()
+        }
+        Findings::Frequency(found) => bode(&found.points, kind)
+            .map(|(look, points)| line(look, points))
+            .collect(),
+        Findings::Friction(found) => {
+            let levels = found.levels.iter().map(|level| (level.rpm, level.amps));
+            let mut lines = vec![line(Look::Dots, levels.collect())];
+            if let Some(fit) = found.friction {
+                let fastest = found.levels.iter().map(|level| level.rpm.abs());
+                let fastest = fastest.fold(0.0, f64::max);
+                let (coulomb, viscous) = (fit.coulomb_a.value, fit.viscous_a_per_rpm.value);
+                for side in [1.0, -1.0] {
+                    let end = side * (coulomb + viscous * fastest);
+                    let points = vec![(0.0, side * coulomb), (side * fastest, end)];
+                    lines.push(line(Look::Plain, points));
+                }
+            }
+            lines
+        }
+        Findings::CoastDown(found) => {
+            let coasts = found.coasts.iter();
+            coasts
+                .map(|coast| line(Look::Plain, pairs(coast)))
+                .collect()
+        }
+        Findings::Heating(found) => {
+            let mut lines = vec![line(Look::Dots, pairs(&found.celsius))];
+            if let (Some(fit), Some(first), Some(last)) =
+                (found.heating, found.celsius.first(), found.celsius.last())
+            {
+                let model = |place: u32| {
+                    let part = f64::from(place) / f64::from(MEDIAN_POINTS);
+                    let t_s = first.t_s + (last.t_s - first.t_s) * part;
+                    let decay = (-(t_s - first.t_s) / fit.time_constant_s.value).exp();
+                    (t_s, fit.final_c.value - fit.rise_k.value * decay)
+                };
+                lines.push(line(Look::Plain, (0..=MEDIAN_POINTS).map(model).collect()));
+            }
+            lines
+        }
+        Findings::TorqueSpeed(found) => {
+            let mut lines = vec![line(Look::Dots, found.points.clone())];
+            if let Some(fit) = found.line {
+                let end = fit.no_load_rpm.value - fit.droop_rpm_per_nm.value * fit.torque_max_nm;
+                let points = vec![(0.0, fit.no_load_rpm.value), (fit.torque_max_nm, end)];
+                lines.push(line(Look::Plain, points));
+            }
+            lines
+        }
+    };
+    if let Some(first) = lines.first_mut().filter(|line| line.name.is_empty()) {
+        name.clone_into(&mut first.name);
+    }
+    lines
+}
+
+/// Lines between neighbouring valid points, and crosses at the others: an invalid point is not bridged.
+fn bode(points: &[BodePoint], kind: usize) -> impl Iterator<Item = (Look, Vec<(f64, f64)>)> {
+    let value = move |point: &BodePoint| match kind {
+        0 => point.gain_db,
+        1 => point.phase_deg,
+        _ => point.coherence,
+    };
+    let stretches: Vec<Vec<(f64, f64)>> = points
+        .split(|point| point.invalid.is_some())
+        .map(|stretch| {
+            stretch
+                .iter()
+                .map(|point| (point.hz, value(point)))
+                .collect()
+        })
+        .filter(|stretch: &Vec<_>| !stretch.is_empty())
+        .collect();
+    let dots: Vec<(f64, f64)> = stretches.iter().flatten().copied().collect();
+    let invalid = points.iter().filter(|point| point.invalid.is_some());
+    let crosses: Vec<(f64, f64)> = invalid
+        .map(|point| (point.hz, value(point)))
+        .filter(|(_, value)| value.is_finite())
+        .collect();
+    let lines = stretches.into_iter().map(|line| (Look::Plain, line));
+    lines.chain([(Look::Dots, dots), (Look::Crosses, crosses)])
+}
+
+fn pairs(points: &[Point]) -> Vec<(f64, f64)> {
+    points
+        .iter()
+        .map(|point| (point.t_s, point.value))
+        .collect()
+}
+
+/// The median of the repeats at even times, up to the end of the shortest one.
+fn median(group: &StepGroup) -> Vec<(f64, f64)> {
+    let ends = group.repeats.iter();
+    let ends = ends.filter_map(|repeat| Some(repeat.rpm.last()?.t_s));
+    let shortest_s = ends.fold(f64::INFINITY, f64::min);
+    if !shortest_s.is_finite() {
+        return Vec::new();
+    }
+    let at = |place: u32| {
+        let t_s = shortest_s * f64::from(place) / f64::from(MEDIAN_POINTS);
+        let values = group.repeats.iter().filter_map(|repeat| {
+            let behind = repeat.rpm.partition_point(|point| point.t_s <= t_s);
+            let point = repeat.rpm.get(behind.saturating_sub(1))?;
+            Some(point.value)
+        });
+        Some((t_s, crate::analysis::spread(values)?.median))
+    };
+    (0..=MEDIAN_POINTS).filter_map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::Invalid;
+
+    #[test]
+    fn an_invalid_point_is_a_cross_and_no_line_bridges_it() {
+        let point = |hz: f64, invalid| BodePoint {
+            hz,
+            gain_db: -hz,
+            phase_deg: 0.0,
+            coherence: 1.0,
+            invalid,
+        };
+        let points = [
+            point(1.0, None),
+            point(2.0, None),
+            point(3.0, Some(Invalid::Saturated)),
+            point(4.0, None),
+        ];
+        let lines: Vec<_> = bode(&points, 0).collect();
+        assert_eq!(
+            lines,
+            [
+                (Look::Plain, vec![(1.0, -1.0), (2.0, -2.0)]),
+                (Look::Plain, vec![(4.0, -4.0)]),
+                (Look::Dots, vec![(1.0, -1.0), (2.0, -2.0), (4.0, -4.0)]),
+                (Look::Crosses, vec![(3.0, -3.0)]),
+            ]
+        );
+    }
+}

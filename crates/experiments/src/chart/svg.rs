@@ -1,0 +1,225 @@
+//! A chart as SVG. The classes of its parts take their colours from a style sheet.
+
+use std::fmt::Write;
+
+use motorlink_markup::Element;
+
+use super::{AxisName, Chart, Line, Look, Names};
+
+/// Width and height, in its own units.
+const SIZE: (f64, f64) = (720.0, 340.0);
+/// Space for the labels: left, top, right, bottom.
+const MARGIN: [f64; 4] = [64.0, 30.0, 16.0, 44.0];
+/// Height of a row of the legend.
+const ROW: f64 = 18.0;
+/// Width of a column of the legend.
+const COLUMN: f64 = 160.0;
+/// A line with more points is drawn by the least and greatest of each of this many columns.
+const COLUMNS: usize = 1_000;
+
+/// The style of a chart in a file, in the light colours of the page.
+pub const STYLE: &str = ".chart text{font:12px system-ui,sans-serif;fill:#5a6474}.chart-grid{stroke:#e2e6eb}\
+.chart path{fill:none;stroke:currentColor;stroke-width:2}.chart .faint{stroke-width:1;opacity:.4}\
+.chart .dashed{stroke:#5a6474;stroke-width:1.5;stroke-dasharray:5 4}.chart .dots{stroke-width:5;stroke-linecap:round}\
+.chart .crosses{stroke:#c3261b;stroke-width:1.5}.chart .legend{fill:currentColor}\
+.colour-0{color:#0b64bd}.colour-1{color:#6741c9}.colour-2{color:#a84c06}.colour-3{color:#0a7a46}\
+.colour-4{color:#a3206e}.colour-5{color:#7a6300}.colour-6{color:#08727f}.colour-7{color:#5a6474}";
+
+/// Charts below each other as one SVG file.
+#[must_use]
+pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
+    let count = f64::from(u32::try_from(charts.len()).unwrap_or(1).max(1));
+    let height = SIZE.1 * count;
+    let mut root = Element::new("svg")
+        .with("xmlns", "http://www.w3.org/2000/svg")
+        .with("width", SIZE.0.to_string())
+        .with("height", height.to_string())
+        .with("viewBox", format!("0 0 {} {height}", SIZE.0))
+        .child(Element::new("style").text(STYLE))
+        .child(
+            Element::new("rect")
+                .with("width", "100%")
+                .with("height", "100%")
+                .with("fill", "#ffffff"),
+        );
+    for (place, chart) in (0_u32..).zip(charts) {
+        let down = SIZE.1 * f64::from(place);
+        root = root.child(
+            chart
+                .parts(names)
+                .with("transform", format!("translate(0 {down})")),
+        );
+    }
+    let mut out = String::new();
+    root.write(&mut out);
+    out
+}
+
+impl Chart {
+    /// The chart as an element `svg`, hidden from screen readers: the figures say what it shows.
+    #[must_use]
+    pub fn svg(&self, names: &Names<'_>) -> Element {
+        Element::new("svg")
+            .with("viewBox", format!("0 0 {} {}", SIZE.0, SIZE.1))
+            .with("aria-hidden", "true")
+            .child(self.parts(names))
+    }
+
+    fn parts(&self, names: &Names<'_>) -> Element {
+        let [left, top, right, bottom] = MARGIN;
+        let (end, floor) = (SIZE.0 - right, SIZE.1 - bottom);
+        let text = |x: f64, y: f64, anchor: &str, words: String| {
+            Element::new("text")
+                .with("x", short(x))
+                .with("y", short(y))
+                .with("text-anchor", anchor)
+                .text(words)
+        };
+        let grid = |x1: f64, y1: f64, x2: f64, y2: f64| {
+            Element::new("line")
+                .with("class", "chart-grid")
+                .with("x1", short(x1))
+                .with("y1", short(y1))
+                .with("x2", short(x2))
+                .with("y2", short(y2))
+        };
+        let mut group = Element::new("g").with("class", "chart");
+        for tick in &self.y.ticks {
+            let y = self.y_of(*tick);
+            let label = self.y.label(*tick);
+            group =
+                group
+                    .child(grid(left, y, end, y))
+                    .child(text(left - 8.0, y + 4.0, "end", label));
+        }
+        for tick in &self.x.ticks {
+            let x = self.x_of(*tick);
+            group = group.child(grid(x, floor, x, floor + 4.0)).child(text(
+                x,
+                floor + 18.0,
+                "middle",
+                self.x.label(*tick),
+            ));
+        }
+        group = group
+            .child(text(left, top - 14.0, "start", names(self.y.name)))
+            .child(text(end, SIZE.1 - 8.0, "end", names(self.x.name)));
+        group = group.children(self.lines.iter().map(|line| self.path(line)));
+        let entries = self.lines.iter().filter(|line| !line.name.is_empty());
+        for (place, line) in (0_u32..).zip(entries) {
+            // In columns from the right, because the left has the name of the axis.
+            let x = end - COLUMN * f64::from(place / 4);
+            let y = top - 14.0 + ROW * f64::from(place % 4);
+            let entry = text(x, y, "end", line.name.clone());
+            group = group.child(entry.with("class", format!("legend {}", colour(line))));
+        }
+        group
+    }
+
+    fn path(&self, line: &Line) -> Element {
+        let look = match line.look {
+            Look::Faint => "faint",
+            Look::Plain => "plain",
+            Look::Dashed => "dashed",
+            Look::Dots => "dots",
+            Look::Crosses => "crosses",
+        };
+        let finite = |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite();
+        let places = line.points.iter().filter(finite);
+        let places: Vec<(f64, f64)> = places
+            .map(|(x, y)| (self.x_of(*x), self.y_of(*y)))
+            .collect();
+        let mut path = String::new();
+        // Writing to a string cannot fail.
+        match line.look {
+            Look::Dots => {
+                for (x, y) in places {
+                    let _ = write!(path, "M{} {}h0", short(x), short(y));
+                }
+            }
+            Look::Crosses => {
+                for (x, y) in places {
+                    let (x, y) = (short(x - 4.0), short(y - 4.0));
+                    let _ = write!(path, "M{x} {y}l8 8m0 -8l-8 8");
+                }
+            }
+            _ => {
+                for (number, (x, y)) in fewer(places).into_iter().enumerate() {
+                    let letter = if number == 0 { 'M' } else { 'L' };
+                    let _ = write!(path, "{letter}{} {}", short(x), short(y));
+                }
+            }
+        }
+        Element::new("path")
+            .with("class", format!("{look} {}", colour(line)))
+            .with("d", path)
+    }
+
+    fn x_of(&self, value: f64) -> f64 {
+        let [left, _, right, _] = MARGIN;
+        left + self.x.place(value) * (SIZE.0 - left - right)
+    }
+
+    fn y_of(&self, value: f64) -> f64 {
+        let [_, top, _, bottom] = MARGIN;
+        SIZE.1 - bottom - self.y.place(value) * (SIZE.1 - top - bottom)
+    }
+
+    /// Whether it is part of a Bode plot.
+    #[must_use]
+    pub fn is_bode(&self) -> bool {
+        self.x.name == AxisName::Frequency
+    }
+}
+
+fn colour(line: &Line) -> String {
+    format!("colour-{}", line.colour)
+}
+
+/// A tenth of a unit is less than a pixel.
+fn short(value: f64) -> String {
+    format!("{value:.1}")
+}
+
+/// The least and greatest of each column, in their order.
+fn fewer(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    if points.len() <= 4 * COLUMNS {
+        return points;
+    }
+    let mut kept = Vec::new();
+    for column in points.chunks(points.len().div_ceil(COLUMNS)) {
+        let by_value = |one: &&(f64, f64), other: &&(f64, f64)| one.1.total_cmp(&other.1);
+        let least = column.iter().min_by(by_value).copied();
+        let greatest = column.iter().max_by(by_value).copied();
+        let mut both: Vec<(f64, f64)> = least.into_iter().chain(greatest).collect();
+        both.sort_by(|one, other| one.0.total_cmp(&other.0));
+        kept.extend(both);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_escaped_and_every_point_is_inside() {
+        let line = Line {
+            colour: 0,
+            look: Look::Plain,
+            name: "<b>".to_owned(),
+            points: (0..10_000)
+                .map(|number| (f64::from(number), f64::from(number % 7)))
+                .collect(),
+        };
+        let chart = Chart::of(AxisName::Time, AxisName::Speed, vec![line]).unwrap();
+        let text = file(&[chart.clone(), chart.clone()], &|name| format!("{name:?}"));
+        assert!(text.contains("&lt;b&gt;") && !text.contains("<b>"));
+        assert!(text.contains("translate(0 340)"));
+        assert!(text.len() < 100_000, "{}", text.len());
+        for (x, y) in &chart.lines[0].points {
+            assert!((64.0..=704.0).contains(&chart.x_of(*x)));
+            assert!((30.0..=296.0).contains(&chart.y_of(*y)));
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! The record of a run as a CSV table, one row per reply.
+
+use std::fmt::Write;
+
+use motorlink_protocol::{Instant, MotorId, Setpoint};
+
+use crate::runner::Record;
+
+/// The columns. `docs/experiments.md` explains them.
+const HEAD: &str =
+    "time,motor,speed_rpm,current_a,angle_deg,temperature_c,setpoint,setpoint_unit,step\n";
+
+/// The table. A cell is empty if the reply does not have the value, or if nothing was sent yet.
+#[must_use]
+pub fn record_to_csv(record: &Record) -> String {
+    let mut out = HEAD.to_owned();
+    let began = record.began_at();
+    let seconds = |at: Instant| began.map_or(0.0, |began| at.since(began).as_secs_f64());
+    let mut sent = record.sent_setpoints().iter().peekable();
+    let mut marks = record.marks().iter().peekable();
+    let mut last: Vec<(MotorId, Setpoint)> = Vec::new();
+    let mut step = None;
+    for sample in record.samples() {
+        while let Some(next) = sent.next_if(|next| next.at <= sample.at) {
+            last.retain(|(id, _)| *id != next.id);
+            last.push((next.id, next.setpoint));
+        }
+        while let Some(mark) = marks.next_if(|mark| mark.at <= sample.at) {
+            step = Some(mark.step);
+        }
+        // Writing to a string cannot fail.
+        let _ = write!(
+            out,
+            "{:.6},{},{},{:.3},",
+            seconds(sample.at),
+            sample.id.get(),
+            sample.rpm,
+            sample.current.amps()
+        );
+        if let Some(degrees) = sample.degrees {
+            let _ = write!(out, "{degrees:.2}");
+        }
+        out.push(',');
+        if let Some(celsius) = sample.celsius {
+            let _ = write!(out, "{celsius}");
+        }
+        let setpoint = last.iter().find(|(id, _)| *id == sample.id);
+        let (value, unit) = setpoint.map_or_else(Default::default, |(_, it)| shown(*it));
+        let step = step.map_or_else(String::new, |step: usize| step.to_string());
+        let _ = writeln!(out, ",{value},{unit},{step}");
+    }
+    out
+}
+
+fn shown(setpoint: Setpoint) -> (String, &'static str) {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => (speed.rpm().to_string(), "rpm"),
+        Setpoint::Brake => ("0".to_owned(), "brake"),
+        Setpoint::Current(target) => (format!("{:.3}", target.amps()), "A"),
+        Setpoint::Position(target) => (format!("{:.2}", target.degrees()), "deg"),
+        Setpoint::OpenLoop(target) => (target.raw().to_string(), "raw"),
+    }
+}

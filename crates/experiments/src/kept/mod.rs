@@ -1,0 +1,108 @@
+//! A run that is kept: what was asked of which motors, and the record.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `csv` | the record as a table |
+//! | `json` | the whole run as a file, and back |
+//! | `report` | several runs as one HTML file |
+
+mod csv;
+mod json;
+mod report;
+mod setpoint;
+
+use motorlink_protocol::{Instant, MotorId};
+
+pub use json::{JsonError, run_from_json, run_to_json};
+pub use report::{ReportRun, ReportTexts, report};
+
+use crate::{
+    runner::{Cause, End, Record},
+    study::{Measured, Study},
+};
+
+pub use csv::record_to_csv;
+
+/// The description of a run.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RunHeader {
+    /// The number of the run: seconds since 1970 when it was armed, so that no other run has it.
+    pub number: u32,
+    /// Name for the user.
+    pub name: String,
+    /// The study, as [`Study::to_json`] writes it.
+    pub study: String,
+    /// Its motors with their names.
+    pub motors: Vec<(MotorId, String)>,
+    /// The model of the motors.
+    pub model: String,
+    /// The setup of the page as JSON.
+    pub setup: String,
+    /// The version of the page.
+    pub page_version: String,
+    /// When it began, in milliseconds since 1970.
+    pub began_unix_ms: f64,
+    /// The same moment on the clock of the worker; `None` until it is started.
+    pub began: Option<Instant>,
+    /// Setpoints per second to each motor.
+    pub request_hz: f64,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Size of the stored record, in bytes.
+    pub bytes: u32,
+}
+
+/// How a kept run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Outcome {
+    /// It has not ended.
+    Running,
+    /// So.
+    Ended(End),
+    /// The page was closed before it could note the end.
+    PageClosed,
+}
+
+impl RunHeader {
+    /// The study; `None` if another version of the page wrote it.
+    #[must_use]
+    pub fn study(&self) -> Option<Study> {
+        Study::from_json(&self.study).ok()
+    }
+
+    /// How it was measured.
+    #[must_use]
+    pub fn measured(&self) -> Measured {
+        Measured {
+            request_hz: self.request_hz,
+            ..Measured::default()
+        }
+    }
+
+    /// An empty record of this run, for its parts.
+    #[must_use]
+    pub fn record(&self) -> Record {
+        let mut record = Record::default();
+        if let Some(began) = self.began {
+            record.began(began);
+        }
+        if let Outcome::Ended(end) = self.outcome {
+            record.ended(end);
+        }
+        record
+    }
+}
+
+impl Outcome {
+    /// Why it was aborted; `None` while it runs or if it finished.
+    #[must_use]
+    pub const fn cause(self) -> Option<Cause> {
+        match self {
+            Self::Running | Self::Ended(End::Finished { .. }) => None,
+            Self::Ended(End::Aborted { cause, .. }) => Some(cause),
+            Self::PageClosed => Some(Cause::TabClosed),
+        }
+    }
+}

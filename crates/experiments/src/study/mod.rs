@@ -1,0 +1,262 @@
+//! Studies: what is asked of a motor, the sequence that asks it, and the figures of its answer.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `parameter` | the parameters of a study with their ranges: one table for fields, checks and files |
+//! | `spans` | when each step of a run began and ended |
+//! | `step`, `frequency`, `friction`, `coast_down`, `heating`, `torque_speed` | one study each |
+//! | `file` | a study as JSON, so that a kept run can be evaluated again |
+//!
+//! # Example
+//!
+//! ```
+//! use motorlink_experiments::study::{StepStudy, Study};
+//! use motorlink_protocol::MotorId;
+//!
+//! let study = Study::Step(StepStudy::of(MotorId::FIRST));
+//! assert!(!study.sequence().steps.is_empty());
+//! ```
+
+mod coast_down;
+mod file;
+mod frequency;
+mod friction;
+mod heating;
+mod parameter;
+mod spans;
+mod step;
+mod torque_speed;
+
+use motorlink_protocol::MotorId;
+
+pub use coast_down::{CoastDownFindings, CoastDownStudy};
+pub use frequency::{FrequencyFindings, FrequencyStudy};
+pub use friction::{FrictionFindings, FrictionStudy, SpeedLevel};
+pub use heating::{HeatingFindings, HeatingStudy};
+pub use parameter::Parameter;
+pub use step::{StepFindings, StepGroup, StepRepeat, StepStudy};
+pub use torque_speed::{TorqueSpeedFindings, TorqueSpeedStudy};
+
+use crate::{
+    analysis::Trace,
+    plan::Fleet,
+    runner::Record,
+    sequence::{Problem, Sequence, SequenceError},
+};
+
+/// What a run asks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Study {
+    /// A sequence of the user, without figures.
+    Sequence(Sequence),
+    /// How a motor goes from one speed to another.
+    Step(StepStudy),
+    /// Gain and phase of the velocity loop.
+    Frequency(FrequencyStudy),
+    /// Current by speed without load.
+    Friction(FrictionStudy),
+    /// Inertia and friction.
+    CoastDown(CoastDownStudy),
+    /// Temperature at a constant current.
+    Heating(HeatingStudy),
+    /// Speed by torque, while a person loads the wheel.
+    TorqueSpeed(TorqueSpeedStudy),
+}
+
+/// Which study it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StudyKind {
+    /// See [`Study::Sequence`].
+    Sequence,
+    /// See [`Study::Step`].
+    Step,
+    /// See [`Study::Frequency`].
+    Frequency,
+    /// See [`Study::Friction`].
+    Friction,
+    /// See [`Study::CoastDown`].
+    CoastDown,
+    /// See [`Study::Heating`].
+    Heating,
+    /// See [`Study::TorqueSpeed`].
+    TorqueSpeed,
+}
+
+/// The figures and curves that follow from a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Findings {
+    /// The signals of each motor.
+    Sequence(Vec<(MotorId, Trace)>),
+    /// See [`Study::Step`].
+    Step(StepFindings),
+    /// See [`Study::Frequency`].
+    Frequency(FrequencyFindings),
+    /// See [`Study::Friction`].
+    Friction(FrictionFindings),
+    /// See [`Study::CoastDown`].
+    CoastDown(CoastDownFindings),
+    /// See [`Study::Heating`].
+    Heating(HeatingFindings),
+    /// See [`Study::TorqueSpeed`].
+    TorqueSpeed(TorqueSpeedFindings),
+}
+
+/// How a run was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Requests per second to each motor, including those without a reply.
+    pub request_hz: f64,
+    /// The current bound of the motor, in A, if known.
+    pub amps_max: Option<f64>,
+}
+
+impl Default for Measured {
+    /// The default rate of a run, and the stall current of the M0601 and DDSM115.
+    fn default() -> Self {
+        Self {
+            request_hz: 200.0,
+            amps_max: Some(2.7),
+        }
+    }
+}
+
+impl StudyKind {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Sequence,
+        Self::Step,
+        Self::Frequency,
+        Self::Friction,
+        Self::CoastDown,
+        Self::Heating,
+        Self::TorqueSpeed,
+    ];
+
+    /// Its name in a file.
+    #[must_use]
+    pub const fn field(self) -> &'static str {
+        match self {
+            Self::Sequence => "sequence",
+            Self::Step => "step_response",
+            Self::Frequency => "frequency_response",
+            Self::Friction => "friction",
+            Self::CoastDown => "coast_down",
+            Self::Heating => "heating",
+            Self::TorqueSpeed => "torque_speed",
+        }
+    }
+}
+
+impl Study {
+    /// Which study it is.
+    #[must_use]
+    pub const fn kind(&self) -> StudyKind {
+        match self {
+            Self::Sequence(_) => StudyKind::Sequence,
+            Self::Step(_) => StudyKind::Step,
+            Self::Frequency(_) => StudyKind::Frequency,
+            Self::Friction(_) => StudyKind::Friction,
+            Self::CoastDown(_) => StudyKind::CoastDown,
+            Self::Heating(_) => StudyKind::Heating,
+            Self::TorqueSpeed(_) => StudyKind::TorqueSpeed,
+        }
+    }
+
+    /// A study of one motor with its default parameters; for [`StudyKind::Sequence`] an empty sequence.
+    #[must_use]
+    pub fn of(kind: StudyKind, motor: MotorId) -> Self {
+        match kind {
+            StudyKind::Sequence => Self::Sequence(Sequence::default()),
+            StudyKind::Step => Self::Step(StepStudy::of(motor)),
+            StudyKind::Frequency => Self::Frequency(FrequencyStudy::of(motor)),
+            StudyKind::Friction => Self::Friction(FrictionStudy::of(motor)),
+            StudyKind::CoastDown => Self::CoastDown(CoastDownStudy::of(motor)),
+            StudyKind::Heating => Self::Heating(HeatingStudy::of(motor)),
+            StudyKind::TorqueSpeed => Self::TorqueSpeed(TorqueSpeedStudy::of(motor)),
+        }
+    }
+
+    /// The motor that is studied; `None` for a sequence, which names its motors.
+    #[must_use]
+    pub const fn motor(&self) -> Option<MotorId> {
+        match self {
+            Self::Sequence(_) => None,
+            Self::Step(study) => Some(study.motor),
+            Self::Frequency(study) => Some(study.motor),
+            Self::Friction(study) => Some(study.motor),
+            Self::CoastDown(study) => Some(study.motor),
+            Self::Heating(study) => Some(study.motor),
+            Self::TorqueSpeed(study) => Some(study.motor),
+        }
+    }
+
+    /// The parameters with their ranges, except the motor and the accelerations.
+    pub fn parameters(&mut self) -> Vec<Parameter<'_>> {
+        match self {
+            Self::Sequence(_) => Vec::new(),
+            Self::Step(study) => study.parameters(),
+            Self::Frequency(study) => study.parameters(),
+            Self::Friction(study) => study.parameters(),
+            Self::CoastDown(study) => study.parameters(),
+            Self::Heating(study) => study.parameters(),
+            Self::TorqueSpeed(study) => study.parameters(),
+        }
+    }
+
+    /// Checks the parameters of a study. A sequence is checked by [`Plan::new`](crate::plan::Plan::new).
+    ///
+    /// # Errors
+    /// The place of the error is the name of the parameter, such as `from_rpm`.
+    pub fn check(&self, fleet: &Fleet) -> Result<(), SequenceError> {
+        if let Some(motor) = self.motor()
+            && !fleet.motors.contains(&motor)
+        {
+            return Err(SequenceError::at("motor", Problem::UnknownMotor(motor)));
+        }
+        for parameter in self.clone().parameters() {
+            parameter.check(fleet.rpm_max)?;
+        }
+        match self {
+            Self::Step(study) => study.check(),
+            Self::Frequency(study) => study.check(fleet.rpm_max),
+            _ => Ok(()),
+        }
+    }
+
+    /// The sequence that asks it.
+    #[must_use]
+    pub fn sequence(&self) -> Sequence {
+        match self {
+            Self::Sequence(sequence) => sequence.clone(),
+            Self::Step(study) => study.sequence(),
+            Self::Frequency(study) => study.sequence(),
+            Self::Friction(study) => study.sequence(),
+            Self::CoastDown(study) => study.sequence(),
+            Self::Heating(study) => study.sequence(),
+            Self::TorqueSpeed(study) => study.sequence(),
+        }
+    }
+
+    /// The figures of a run of [`Study::sequence`]; of an aborted run, those of what was measured.
+    #[must_use]
+    pub fn evaluate(&self, record: &Record, measured: &Measured) -> Findings {
+        match self {
+            Self::Sequence(_) => Findings::Sequence(traces(record)),
+            Self::Step(study) => Findings::Step(study.evaluate(record)),
+            Self::Frequency(study) => Findings::Frequency(study.evaluate(record, measured)),
+            Self::Friction(study) => Findings::Friction(study.evaluate(record)),
+            Self::CoastDown(study) => Findings::CoastDown(study.evaluate(record)),
+            Self::Heating(study) => Findings::Heating(study.evaluate(record)),
+            Self::TorqueSpeed(study) => Findings::TorqueSpeed(study.evaluate(record)),
+        }
+    }
+}
+
+fn traces(record: &Record) -> Vec<(MotorId, Trace)> {
+    let mut ids: Vec<MotorId> = record.samples().iter().map(|sample| sample.id).collect();
+    ids.sort_by_key(|id| id.get());
+    ids.dedup();
+    ids.into_iter()
+        .map(|id| (id, Trace::of(record, id)))
+        .collect()
+}

@@ -1,0 +1,266 @@
+//! Studies on the virtual motor against what it was built with.
+#![cfg(test)]
+
+mod analytic_systems;
+mod bench;
+mod measured;
+
+use analytic_systems::{VelocityLoop, exact_figures};
+use bench::{Bench, ONE};
+use measured::{DRY, HEATING_S, INERTIA, VISCOUS};
+use motorlink_experiments::{
+    analysis::Spread,
+    plan::Fleet,
+    runner::End,
+    sequence::{Quantity, Selection, Sequence, Step},
+    study::{
+        CoastDownFindings, Findings, FrequencyStudy, HeatingStudy, Measured, StepStudy, Study,
+        StudyKind,
+    },
+};
+use motorlink_protocol::{Acceleration, MotorId};
+use motorlink_simulator::MotorConfig;
+
+fn run(study: &Study, bench: &mut Bench) -> Findings {
+    study.check(&Fleet::of([ONE])).unwrap();
+    bench.run_sequence(&study.sequence());
+    study.evaluate(&bench.record, &Measured::default())
+}
+
+#[test]
+fn a_step_study_measures_each_acceleration_within_its_bounds() {
+    let study = Study::Step(StepStudy {
+        accelerations: vec![Acceleration::new(1), Acceleration::new(3)],
+        ..StepStudy::of(ONE)
+    });
+    let Findings::Step(found) = run(&study, &mut Bench::new(1, MotorConfig::default())) else {
+        panic!("not a step response");
+    };
+    assert_eq!((found.groups.len(), found.left_out), (2, 0));
+    for (group, acceleration) in found.groups.iter().zip([1, 3]) {
+        assert_eq!(group.acceleration.byte(), acceleration);
+        assert_eq!(group.repeats.len(), 5);
+        assert!(group.repeats.iter().all(|it| it.rpm.len() > 500));
+        let exact = VelocityLoop::of_100_rpm(acceleration);
+        let exact = exact_figures(|t_s| exact.step(t_s), 3.0);
+        let median = |spread: Option<Spread>| spread.unwrap().median;
+        let summary = group.summary;
+        for (figure, exact) in [
+            (summary.rise_s, exact.rise_s),
+            (summary.settling_s, exact.settling_s),
+        ] {
+            let (figure, exact) = (median(figure), exact.unwrap());
+            assert!((figure / exact - 1.0).abs() < 0.03, "{figure} {exact}");
+        }
+        assert!(median(summary.overshoot) < 0.01);
+        assert!(median(summary.steady_error).abs() < 1.0);
+    }
+}
+
+#[test]
+fn a_frequency_study_marks_what_it_cannot_measure() {
+    let study = Study::Frequency(FrequencyStudy {
+        points: 11,
+        ..FrequencyStudy::of(ONE)
+    });
+    let Findings::Frequency(found) = run(&study, &mut Bench::new(4, MotorConfig::default())) else {
+        panic!("not a frequency response");
+    };
+    assert_eq!((found.points.len(), found.left_out), (11, 0));
+    // The loop lags by 58 ms: see `frequency_responses.rs`.
+    let lag = |hz: f64| -20.0 * (std::f64::consts::TAU * hz * 0.058).hypot(1.0).log10();
+    for point in found.points {
+        assert_eq!(point.invalid.is_none(), point.hz < 10.1, "{point:?}");
+        let is_slow = point.hz < 2.6;
+        assert!(
+            !is_slow || (point.gain_db - lag(point.hz)).abs() < 0.8,
+            "{point:?}"
+        );
+    }
+}
+
+#[test]
+fn a_friction_study_measures_both_directions() {
+    let motor = MotorConfig {
+        load_nm: 0.75,
+        ..MotorConfig::default()
+    };
+    let mut study = Study::of(StudyKind::Friction, ONE);
+    let mut parameters = study.parameters();
+    parameters[0].set(80.0);
+    parameters[1].set(4.0);
+    drop(parameters);
+    let Findings::Friction(found) = run(&study, &mut Bench::new(5, motor)) else {
+        panic!("not friction");
+    };
+    assert_eq!((found.levels.len(), found.left_out), (8, 0));
+    let fit = found.friction.unwrap();
+    for rpm in [20.0, 80.0] {
+        let torque_nm = DRY + 0.75 + VISCOUS * rpm * std::f64::consts::TAU / 60.0;
+        // The motor reports its torque current and, at a right angle to it, 0.235 A of field current.
+        let reported = (torque_nm / 0.75).hypot(0.235);
+        let amps = fit.coulomb_a.value + fit.viscous_a_per_rpm.value * rpm;
+        assert!((amps / reported - 1.0).abs() < 0.01, "{rpm} rpm: {amps} A");
+    }
+}
+
+fn coast_down(seed: u64, load_nm: f32) -> CoastDownFindings {
+    let motor = MotorConfig {
+        load_nm,
+        ..MotorConfig::default()
+    };
+    let study = Study::of(StudyKind::CoastDown, ONE);
+    match run(&study, &mut Bench::new(seed, motor)) {
+        Findings::CoastDown(found) => found,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_coast_down_is_within_five_percent_and_inside_its_confidence() {
+    let mut inside = [0; 3];
+    let mut worst = 0.0_f64;
+    for seed in 0..100 {
+        // Each seed is another wheel: up to five times the friction of a bearing.
+        let load = f32::from(u8::try_from(seed % 5).unwrap()) * 1e-3;
+        let found = coast_down(seed, load);
+        assert_eq!(found.coasts.len(), 6);
+        let found = found.inertia.unwrap();
+        let pairs = [
+            (found.inertia_kg_m2, INERTIA),
+            (found.dry_nm, DRY + f64::from(load)),
+            (found.viscous_nm_s, VISCOUS),
+        ];
+        for ((estimate, truth), inside) in pairs.into_iter().zip(&mut inside) {
+            worst = worst.max((estimate.value / truth - 1.0).abs());
+            *inside += u32::from(estimate.holds(truth));
+        }
+    }
+    assert!(worst < 0.05, "{worst}");
+    assert!(
+        inside.into_iter().all(|count| count >= 95),
+        "{inside:?} of 100"
+    );
+}
+
+#[test]
+fn a_heating_study_ends_at_its_temperature_and_finds_the_time_constant() {
+    let motor = MotorConfig {
+        load_nm: 1.0,
+        ..MotorConfig::default()
+    };
+    let study = |celsius_max| {
+        Study::Heating(HeatingStudy {
+            amps: 1.4,
+            for_s: 1500.0,
+            celsius_max,
+            loaded_max_rpm: 330.0,
+            ..HeatingStudy::of(ONE)
+        })
+    };
+    let mut bench = Bench::new(1, motor.clone());
+    let Findings::Heating(found) = run(&study(75.0), &mut bench) else {
+        panic!("not heating");
+    };
+    let fit = found.heating.unwrap();
+    let constant_s = fit.time_constant_s;
+    assert!(
+        (constant_s.value / HEATING_S - 1.0).abs() < 0.05,
+        "{constant_s:?}"
+    );
+    let mut bench = Bench::new(1, motor);
+    let Findings::Heating(short) = run(&study(45.0), &mut bench) else {
+        panic!("not heating");
+    };
+    assert!(matches!(bench.record.end(), Some(End::Finished { .. })));
+    let hottest = short.celsius.iter().map(|it| it.value).fold(0.0, f64::max);
+    assert!((44.0..=47.0).contains(&hottest), "{hottest}");
+}
+
+#[test]
+fn a_torque_study_measures_the_speed_at_the_voltage_limit() {
+    let motor = MotorConfig {
+        load_nm: 0.3,
+        ..MotorConfig::default()
+    };
+    let study = Study::of(StudyKind::TorqueSpeed, ONE);
+    let Findings::TorqueSpeed(found) = run(&study, &mut Bench::new(2, motor)) else {
+        panic!("not torque and speed");
+    };
+    assert!(found.points.len() > 1_000 && found.points.len() <= 2_000);
+    let of_load = |(torque, rpm): &(f64, f64)| (0.25..0.45).contains(torque) && *rpm < 200.0;
+    let near = found.points.iter().filter(|it| of_load(it)).count();
+    assert!(near > found.points.len() / 2, "{near}");
+}
+
+#[test]
+fn an_aborted_study_has_the_figures_of_what_was_measured() {
+    let study = Study::Step(StepStudy::of(ONE));
+    let mut bench = Bench::new(6, MotorConfig::default());
+    let mut sequence = study.sequence();
+    // Two steps, and a third one that is cut short.
+    sequence.steps.truncate(5);
+    sequence
+        .steps
+        .push(Step::hold(Selection::All, Quantity::Rpm, 100.0, 0.8));
+    bench.run_sequence(&sequence);
+    let Findings::Step(found) = study.evaluate(&bench.record, &Measured::default()) else {
+        panic!("not a step response");
+    };
+    assert_eq!((found.groups[0].repeats.len(), found.left_out), (2, 1));
+}
+
+#[test]
+fn every_study_survives_its_file_and_its_defaults_are_valid() {
+    let fleet = Fleet::of([ONE]);
+    for kind in StudyKind::ALL {
+        let study = Study::of(kind, ONE);
+        study.check(&fleet).unwrap();
+        assert_eq!(study.kind(), kind);
+        if kind == StudyKind::Sequence {
+            continue;
+        }
+        assert_eq!(Study::from_json(&study.to_json()).unwrap(), study);
+        motorlink_experiments::plan::Plan::new(&study.sequence(), &fleet).unwrap();
+    }
+    let sequence = Sequence {
+        name: "\"a\"".to_owned(),
+        steps: vec![Step::hold(Selection::All, Quantity::Amps, 0.5, 1.0)],
+        ..Sequence::default()
+    };
+    let study = Study::Sequence(sequence);
+    assert_eq!(Study::from_json(&study.to_json()).unwrap(), study);
+}
+
+#[test]
+fn an_error_names_the_parameter() {
+    let fleet = Fleet::of([ONE]);
+    let refused = |change: &dyn Fn(&mut StepStudy)| {
+        let mut study = StepStudy::of(ONE);
+        change(&mut study);
+        let refused = Study::Step(study).check(&fleet).unwrap_err();
+        refused.to_string()
+    };
+    assert_eq!(refused(&|it| it.to_rpm = 400.0), "to_rpm: 400 is above 330");
+    assert_eq!(refused(&|it| it.repeats = 0), "repeats: 0 is below 1");
+    assert!(refused(&|it| it.to_rpm = it.from_rpm).starts_with("to_rpm: "));
+    assert!(refused(&|it| it.accelerations.clear()).starts_with("accelerations: "));
+    assert!(refused(&|it| it.hold_s = f64::NAN).starts_with("hold_s: "));
+    let other = MotorId::new(9).unwrap();
+    assert!(refused(&|it| it.motor = other).starts_with("motor: "));
+    for (text, place) in [
+        ("{", ""),
+        (r#"{ "motorlink_study": 2 }"#, "motorlink_study"),
+        (r#"{ "motorlink_study": 1, "kind": "dance" }"#, "kind"),
+        (
+            r#"{ "motorlink_study": 1, "kind": "heating", "motor": 1 }"#,
+            "amps",
+        ),
+        (
+            r#"{ "motorlink_study": 1, "kind": "heating", "motor": 0 }"#,
+            "motor",
+        ),
+    ] {
+        assert_eq!(Study::from_json(text).unwrap_err().place, place, "{text}");
+    }
+}

@@ -1,0 +1,24 @@
+//! The run of an experiment beside the bus.
+//!
+//! A run has two sides in one thread. The [`Program`] decides: it has the sequence, the plan and the record. It is a wasm
+//! program of its own, which is loaded when the first run is armed. The [`Host`] belongs to the owner of the port. It is
+//! small, applies what the program returns to the bus, and stops the motors of the run without asking the program.
+//! Only [`Input`] and [`Output`] cross.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `exchange` | what crosses between the two sides |
+//! | `host` | the side of the port |
+//! | `program` | the side that decides |
+//! | `cause` | events of the bus as causes that end a run |
+//! | `report` | what the program tells the page |
+
+mod cause;
+mod exchange;
+mod host;
+mod program;
+mod report;
+
+pub use exchange::{Act, Input, LineState, Output};
+pub use host::{Failed, Host, Line};
+pub use program::Program;

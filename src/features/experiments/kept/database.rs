@@ -1,0 +1,125 @@
+//! The database of the browser (IndexedDB): a store of headers, and one of the parts of the records.
+//!
+//! Everything is in the encoding of the messages between page and workers. What another version of the page has
+//! written and this one cannot read is skipped.
+
+use js_sys::{Array, Promise, Reflect, Uint8Array};
+use motorlink_messages::experiments::{kept::RunHeader, runner::RecordPart};
+use motorlink_messages::{decode, encode};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{
+    IdbDatabase, IdbFactory, IdbKeyRange, IdbObjectStore, IdbOpenDbRequest, IdbRequest,
+    IdbTransactionMode,
+};
+
+const NAME: &str = "motorlink-experiments";
+const VERSION: u32 = 1;
+const RUNS: &str = "runs";
+const PARTS: &str = "parts";
+/// The key of a part is the number of its run times this, plus its place. A day has fewer seconds.
+const PARTS_MAX: f64 = 1_000_000.0;
+
+type Result<T> = std::result::Result<T, JsValue>;
+
+/// An open database.
+pub(super) struct Database(IdbDatabase);
+
+impl Database {
+    /// Opens it, and creates it at the first visit.
+    pub(super) async fn open() -> Result<Self> {
+        let global = js_sys::global();
+        let factory: IdbFactory = Reflect::get(&global, &"indexedDB".into())?.dyn_into()?;
+        let request: IdbOpenDbRequest = factory.open_with_u32(NAME, VERSION)?;
+        let opened = request.clone();
+        let create = Closure::once(move || {
+            let stores = opened.result().map(JsCast::unchecked_into::<IdbDatabase>);
+            if let Ok(database) = stores {
+                // If it fails, the opening fails too.
+                let _ = database.create_object_store(RUNS);
+                let _ = database.create_object_store(PARTS);
+            }
+        });
+        request.set_onupgradeneeded(Some(create.as_ref().unchecked_ref()));
+        let database = done(&request).await?;
+        Ok(Self(database.unchecked_into()))
+    }
+
+    /// All headers.
+    pub(super) async fn headers(&self) -> Result<Vec<RunHeader>> {
+        let all = done(&self.store(RUNS, false)?.get_all()?).await?;
+        Ok(read_all(&all))
+    }
+
+    /// Stores a header, in place of an older one of the same run.
+    pub(super) async fn put_header(&self, header: &RunHeader) -> Result<()> {
+        let bytes = bytes_of(header)?;
+        let store = self.store(RUNS, true)?;
+        done(&store.put_with_key(&bytes, &header.number.into())?).await?;
+        Ok(())
+    }
+
+    /// Stores a part of a record. Returns its size.
+    pub(super) async fn add_part(&self, run: u32, place: u32, part: &RecordPart) -> Result<u32> {
+        let bytes = bytes_of(part)?;
+        let key = f64::from(run) * PARTS_MAX + f64::from(place);
+        let store = self.store(PARTS, true)?;
+        done(&store.put_with_key(&bytes, &key.into())?).await?;
+        Ok(bytes.length())
+    }
+
+    /// The parts of a record in their order.
+    pub(super) async fn parts(&self, run: u32) -> Result<Vec<RecordPart>> {
+        let store = self.store(PARTS, false)?;
+        let all = done(&store.get_all_with_key(&range(run)?)?).await?;
+        Ok(read_all(&all))
+    }
+
+    /// Deletes a run.
+    pub(super) async fn delete(&self, run: u32) -> Result<()> {
+        done(&self.store(RUNS, true)?.delete(&run.into())?).await?;
+        done(&self.store(PARTS, true)?.delete(&range(run)?)?).await?;
+        Ok(())
+    }
+
+    fn store(&self, name: &str, writes: bool) -> Result<IdbObjectStore> {
+        let mode = if writes {
+            IdbTransactionMode::Readwrite
+        } else {
+            IdbTransactionMode::Readonly
+        };
+        let transaction = self.0.transaction_with_str_and_mode(name, mode)?;
+        transaction.object_store(name)
+    }
+}
+
+fn range(run: u32) -> Result<JsValue> {
+    let first = f64::from(run) * PARTS_MAX;
+    let end = first + PARTS_MAX;
+    let range =
+        IdbKeyRange::bound_with_lower_open_and_upper_open(&first.into(), &end.into(), false, true)?;
+    Ok(range.into())
+}
+
+fn bytes_of<T: serde::Serialize>(value: &T) -> Result<Uint8Array> {
+    let bytes = encode(value).map_err(|error| JsValue::from(error.to_string()))?;
+    Ok(Uint8Array::from(bytes.as_slice()))
+}
+
+fn read_all<T: serde::de::DeserializeOwned>(all: &JsValue) -> Vec<T> {
+    let read = |value: JsValue| {
+        let bytes = value.dyn_into::<Uint8Array>().ok()?.to_vec();
+        decode(&bytes).ok()
+    };
+    Array::from(all).iter().filter_map(read).collect()
+}
+
+/// The result of a request, once it has ended.
+async fn done(request: &IdbRequest) -> Result<JsValue> {
+    let ended = Promise::new(&mut |resolve, reject| {
+        request.set_onsuccess(Some(&resolve));
+        request.set_onerror(Some(&reject));
+    });
+    JsFuture::from(ended).await?;
+    request.result()
+}

@@ -1,0 +1,421 @@
+//! The handle of the kept runs.
+
+use std::{collections::BTreeMap, rc::Rc};
+
+use leptos::{prelude::*, task::spawn_local};
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{
+    kept::{Outcome, RunHeader},
+    runner::{End, Record, RecordPart},
+    study::{Findings, Study},
+};
+use motorlink_messages::protocol::{Instant, MotorId};
+
+use super::{
+    bound::{self, too_many},
+    database::Database,
+};
+use crate::ui::clock::page_now_ms;
+
+/// Parts are stored this often: a crash loses as much of a run.
+const STORE_EVERY_MS: f64 = 1_000.0;
+/// Figures of a run that goes on are computed this often. Those of a long record take tens of milliseconds.
+const SHOW_EVERY_MS: f64 = 1_000.0;
+const SHOW_LONG_EVERY_MS: f64 = 10_000.0;
+/// A record with more samples is long: four minutes at 200 Hz.
+const LONG: usize = 50_000;
+/// Records of stored runs in memory: as many as are compared, and the one that runs.
+const RECORDS_MAX: usize = 9;
+
+/// A run that begins.
+pub(crate) struct NewRun {
+    /// Of [`KeptRuns::next_number`].
+    pub(crate) number: u32,
+    pub(crate) study: Study,
+    pub(crate) name: String,
+    /// The motors with their names.
+    pub(crate) motors: Vec<(MotorId, String)>,
+    pub(crate) model: String,
+    /// The setup of the page as JSON.
+    pub(crate) setup: String,
+    /// Setpoints per second to each motor.
+    pub(crate) request_hz: f64,
+    /// When it was started: in milliseconds since 1970, and on the clock of the worker.
+    pub(crate) began_unix_ms: f64,
+    pub(crate) began: Instant,
+}
+
+/// What is not stored yet of the run that goes on.
+#[derive(Default)]
+struct Pending {
+    part: RecordPart,
+    place: u32,
+    stored_ms: f64,
+    shown_ms: f64,
+}
+
+/// Findings with the version of the record that they follow from.
+type Cache = BTreeMap<u32, (u32, Rc<Findings>)>;
+
+/// What no view reads directly. One value, so that the handle is small.
+#[derive(Default)]
+struct Memory {
+    records: BTreeMap<u32, Record>,
+    pending: Pending,
+    database: Option<Rc<Database>>,
+    findings: Cache,
+}
+
+/// The kept runs. Without storage they are kept in memory, and the user is told.
+#[derive(Clone, Copy)]
+pub(crate) struct KeptRuns {
+    /// The headers, newest first.
+    pub(crate) list: RwSignal<Vec<RunHeader>>,
+    /// What the user is told, such as that old runs were deleted.
+    pub(crate) said: RwSignal<String>,
+    /// Grows whenever a record is loaded, extended or ended.
+    pub(crate) version: RwSignal<u32>,
+    memory: StoredValue<Memory, LocalStorage>,
+}
+
+impl KeptRuns {
+    /// Of this page: made at the first call, for the owner of the page.
+    pub(crate) fn of_page(owner: &Owner) -> Self {
+        owner.with(|| {
+            use_context().unwrap_or_else(|| {
+                let new = Self {
+                    list: RwSignal::new(Vec::new()),
+                    said: RwSignal::new(String::new()),
+                    version: RwSignal::new(0),
+                    memory: StoredValue::new_local(Memory::default()),
+                };
+                provide_context(new);
+                spawn_local(new.open());
+                new
+            })
+        })
+    }
+
+    fn database(self) -> Option<Rc<Database>> {
+        self.memory.with_value(|memory| memory.database.clone())
+    }
+
+    async fn open(self) {
+        let opened = match Database::open().await {
+            Ok(database) => database.headers().await.map(|headers| (database, headers)),
+            Err(error) => Err(error),
+        };
+        let Ok((database, headers)) = opened else {
+            return self.say_not_stored();
+        };
+        self.memory
+            .update_value(|memory| memory.database = Some(Rc::new(database)));
+        self.list.update(|list| {
+            let known: Vec<u32> = list.iter().map(|run| run.number).collect();
+            // A run without an end was cut off with its page, or another tab runs it.
+            list.extend(headers.into_iter().filter_map(|mut run| {
+                if run.outcome == Outcome::Running {
+                    run.outcome = Outcome::PageClosed;
+                }
+                (!known.contains(&run.number)).then_some(run)
+            }));
+            list.sort_by_key(|run| std::cmp::Reverse(run.number));
+        });
+        // A run that began before the database was open.
+        let begun = self.list.with_untracked(|list| {
+            let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
+            running.next().cloned()
+        });
+        if let Some(header) = begun {
+            self.put(header);
+        }
+    }
+
+    fn say_not_stored(self) {
+        let words = tr!("This browser stores no runs now. They stay until the page is closed.");
+        self.said.set(words.to_owned());
+    }
+
+    /// A number that no kept run has: the seconds since 1970.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "seconds since 1970 fit until 2106"
+    )]
+    pub(crate) fn next_number(self) -> u32 {
+        let now = (js_sys::Date::now() / 1_000.0) as u32;
+        let newest = self
+            .list
+            .with_untracked(|list| list.first().map(|run| run.number));
+        newest.map_or(now, |newest| now.max(newest + 1))
+    }
+
+    /// A run was started.
+    pub(crate) fn begin(self, new: NewRun) {
+        let header = RunHeader {
+            number: new.number,
+            name: new.name,
+            study: new.study.to_json(),
+            motors: new.motors,
+            model: new.model,
+            setup: new.setup,
+            page_version: env!("CARGO_PKG_VERSION").to_owned(),
+            began_unix_ms: new.began_unix_ms,
+            began: Some(new.began),
+            request_hz: new.request_hz,
+            outcome: Outcome::Running,
+            bytes: 0,
+        };
+        let record = header.record();
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
+            records.insert(header.number, record);
+        });
+        self.memory
+            .update_value(|memory| memory.pending = Pending::default());
+        self.list.update(|list| list.insert(0, header.clone()));
+        self.put(header);
+        self.keep_within_bounds();
+        self.changed();
+    }
+
+    /// Adds a part to the record of the run that goes on. It is stored about once a second.
+    pub(crate) fn add_part(self, number: u32, part: RecordPart) {
+        let mut samples = 0;
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
+            if let Some(record) = records.get_mut(&number) {
+                record.add_part(part.clone());
+                samples = record.samples().len();
+            }
+        });
+        let now_ms = page_now_ms();
+        let mut is_shown = false;
+        let mut is_due = false;
+        self.memory.update_value(|memory| {
+            let pending = &mut memory.pending;
+            pending.part.samples.extend(part.samples);
+            pending.part.sent.extend(part.sent);
+            pending.part.marks.extend(part.marks);
+            is_due = now_ms - pending.stored_ms >= STORE_EVERY_MS;
+            let every_ms = if samples > LONG {
+                SHOW_LONG_EVERY_MS
+            } else {
+                SHOW_EVERY_MS
+            };
+            is_shown = now_ms - pending.shown_ms >= every_ms;
+            if is_shown {
+                pending.shown_ms = now_ms;
+            }
+        });
+        if is_due {
+            self.store(number);
+        }
+        if is_shown {
+            self.changed();
+        }
+    }
+
+    /// The run has ended.
+    pub(crate) fn end(self, number: u32, end: End) {
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
+            if let Some(record) = records.get_mut(&number) {
+                record.ended(end);
+            }
+        });
+        self.store(number);
+        self.change(number, |run| run.outcome = Outcome::Ended(end));
+        self.changed();
+    }
+
+    /// Gives a run another name.
+    pub(crate) fn rename(self, number: u32, name: &str) {
+        self.change(number, |run| name.clone_into(&mut run.name));
+    }
+
+    /// Deletes runs, except one that goes on.
+    pub(crate) fn delete(self, numbers: &[u32]) {
+        let goes =
+            |run: &RunHeader| numbers.contains(&run.number) && run.outcome != Outcome::Running;
+        let gone: Vec<u32> = self.list.with_untracked(|list| {
+            let gone = list.iter().filter(|run| goes(run));
+            gone.map(|run| run.number).collect()
+        });
+        self.list
+            .update(|list| list.retain(|run| !gone.contains(&run.number)));
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
+            records.retain(|number, _| !gone.contains(number));
+        });
+        self.memory
+            .update_value(|memory| memory.findings.retain(|number, _| !gone.contains(number)));
+        let Some(database) = self.database() else {
+            return;
+        };
+        spawn_local(async move {
+            for number in gone {
+                if database.delete(number).await.is_err() {
+                    self.say_not_stored();
+                }
+            }
+        });
+    }
+
+    /// The header of a run. It is tracked.
+    pub(crate) fn header(self, number: u32) -> Option<RunHeader> {
+        self.list
+            .with(|list| list.iter().find(|run| run.number == number).cloned())
+    }
+
+    /// The record of a run, if it is in memory; else it is loaded, and `version` grows.
+    pub(crate) fn with_record<T>(self, number: u32, read: impl FnOnce(&Record) -> T) -> Option<T> {
+        self.version.track();
+        let found = self
+            .memory
+            .with_value(|memory| memory.records.get(&number).map(read));
+        if found.is_none() {
+            self.load(number);
+        }
+        found
+    }
+
+    /// The findings of a run. They follow `version`.
+    pub(crate) fn findings(self, number: u32) -> Option<Rc<Findings>> {
+        let header = self.header(number)?;
+        let study = header.study()?;
+        let measured = header.measured();
+        let version = self.version.get();
+        let is_running = header.outcome == Outcome::Running;
+        let cached = self
+            .memory
+            .with_value(|memory| memory.findings.get(&number).cloned());
+        if let Some((of, findings)) = cached
+            && (of == version || !is_running && of == u32::MAX)
+        {
+            return Some(findings);
+        }
+        let found = self.with_record(number, |record| study.evaluate(record, &measured))?;
+        let found = Rc::new(found);
+        // A run that has ended does not change.
+        let of = if is_running { version } else { u32::MAX };
+        self.memory.update_value(|memory| {
+            let cache = &mut memory.findings;
+            if cache.len() > RECORDS_MAX {
+                cache.clear();
+            }
+            cache.insert(number, (of, Rc::clone(&found)));
+        });
+        Some(found)
+    }
+
+    fn load(self, number: u32) {
+        let Some(database) = self.database() else {
+            return;
+        };
+        let header = self.list.with_untracked(|list| {
+            let run = list.iter().find(|run| run.number == number);
+            run.cloned()
+        });
+        let Some(header) = header else {
+            return;
+        };
+        spawn_local(async move {
+            let Ok(parts) = database.parts(number).await else {
+                let words = tr!("The data of this run cannot be read.");
+                return self.said.set(words.to_owned());
+            };
+            let mut record = header.record();
+            for part in parts {
+                record.add_part(part);
+            }
+            self.memory.update_value(|memory| {
+                let records = &mut memory.records;
+                if records.len() >= RECORDS_MAX {
+                    let running = self.list.with_untracked(|list| {
+                        let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
+                        running.next().map(|run| run.number)
+                    });
+                    // The others are loaded again when they are shown.
+                    records.retain(|number, _| Some(*number) == running);
+                }
+                records.insert(number, record);
+            });
+            self.changed();
+        });
+    }
+
+    /// Stores what is pending.
+    fn store(self, number: u32) {
+        let Some(database) = self.database() else {
+            return;
+        };
+        let mut taken = None;
+        self.memory.update_value(|memory| {
+            let pending = &mut memory.pending;
+            pending.stored_ms = page_now_ms();
+            let part = std::mem::take(&mut pending.part);
+            taken = Some((pending.place, part));
+            pending.place += 1;
+        });
+        let Some((place, part)) = taken else {
+            return;
+        };
+        spawn_local(async move {
+            match database.add_part(number, place, &part).await {
+                Ok(bytes) => self.grow(number, bytes),
+                Err(_) => self.say_not_stored(),
+            }
+        });
+    }
+
+    fn grow(self, number: u32, bytes: u32) {
+        self.list.update(|list| {
+            if let Some(run) = list.iter_mut().find(|run| run.number == number) {
+                run.bytes = run.bytes.saturating_add(bytes);
+            }
+        });
+    }
+
+    fn change(self, number: u32, change: impl FnOnce(&mut RunHeader)) {
+        let mut changed = None;
+        self.list.update(|list| {
+            if let Some(run) = list.iter_mut().find(|run| run.number == number) {
+                change(run);
+                changed = Some(run.clone());
+            }
+        });
+        if let Some(header) = changed {
+            self.put(header);
+        }
+    }
+
+    fn put(self, header: RunHeader) {
+        let Some(database) = self.database() else {
+            return;
+        };
+        spawn_local(async move {
+            if database.put_header(&header).await.is_err() {
+                self.say_not_stored();
+            }
+        });
+    }
+
+    fn keep_within_bounds(self) {
+        let gone = self.list.with_untracked(|list| too_many(list));
+        if gone.is_empty() {
+            return;
+        }
+        self.delete(&gone);
+        self.said.set(tr!(
+            "The oldest runs were deleted: at most {runs} runs and {size} MB are kept.",
+            runs = bound::RUNS_MAX,
+            size = bound::BYTES_MAX / 1_000_000
+        ));
+    }
+
+    fn changed(self) {
+        self.version
+            .update(|version| *version = version.wrapping_add(1) % u32::MAX);
+    }
+}

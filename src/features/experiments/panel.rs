@@ -1,0 +1,240 @@
+//! The panel `Experiments`: a tab for each kind of question, in three columns: ask, curves, result.
+
+use leptos::{html::Div, prelude::*};
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{plan::Plan, study::StudyKind};
+use wasm_bindgen::JsCast;
+use web_sys::{HtmlElement, KeyboardEvent};
+
+use crate::{
+    features::experiments::{
+        chart,
+        code::CodeTab,
+        fields::StudyFields,
+        results::{
+            runs_tab::RunsTab,
+            view::{RunChart, RunFigures},
+        },
+        run_bar::{RunBar, RunSettings},
+        state::{ExperimentTab, Experiments},
+        steps::{SequenceFields, StepsTable},
+        texts,
+    },
+    ui::{
+        reactive::{dynamic, effect, handler},
+        tab_panel::tab_id,
+    },
+};
+
+/// The id of the panel of all tabs.
+const PANEL: &str = "panel-experiments";
+
+fn name(tab: ExperimentTab) -> &'static str {
+    match tab {
+        ExperimentTab::Sequence => tr!("Sequence"),
+        ExperimentTab::Step => tr!("Step response"),
+        ExperimentTab::Frequency => tr!("Frequency response"),
+        ExperimentTab::Characterise => tr!("Characterise"),
+        ExperimentTab::Runs => tr!("Runs"),
+        ExperimentTab::Code => tr!("Code"),
+    }
+}
+
+/// The panel without its frame.
+#[component]
+pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
+    let is_sequence = move || of.tab.get() == ExperimentTab::Sequence;
+    let has_study = move || of.kind().is_some();
+    let shown = Signal::derive(move || of.last_shown());
+    let has_run = move || shown.with(|shown| !shown.is_empty());
+    let chosen_tab = move || tab_id(of.tab.get().key());
+    view! {
+        <div class="experiments">
+            <div class="tabs" role="tablist" aria-label=tr!("Experiments")>
+                {ExperimentTab::ALL.map(|tab| tab_button(of, tab)).collect_view()}
+            </div>
+            <div
+                class="experiment"
+                role="tabpanel"
+                id=PANEL
+                aria-labelledby=dynamic(chosen_tab)
+                class:sequence=dynamic(is_sequence)
+                hidden=dynamic(move || !has_study())
+            >
+                <div class="experiment-ask">
+                    <div class="experiment-fields" hidden=dynamic(move || !is_sequence())>
+                        <SequenceFields of />
+                    </div>
+                    <div class="experiment-fields" hidden=dynamic(is_sequence)>
+                        {characterise(of)}
+                        <StudyFields of />
+                    </div>
+                    <RunSettings of />
+                    <RunBar of />
+                </div>
+                <div class="experiment-curves">
+                    <div class="experiment-steps" hidden=dynamic(move || !is_sequence())>
+                        <StepsTable of />
+                    </div>
+                    <Curves of />
+                    <div hidden=dynamic(move || !has_run())>
+                        <RunChart kept=of.kept shown />
+                    </div>
+                </div>
+                <div class="experiment-results" hidden=dynamic(move || !has_run())>
+                    <RunFigures kept=of.kept shown />
+                </div>
+            </div>
+            <div
+                class="experiment-tab"
+                role="tabpanel"
+                aria-labelledby=tab_id(ExperimentTab::Runs.key())
+                hidden=dynamic(move || of.tab.get() != ExperimentTab::Runs)
+            >
+                <RunsTab kept=of.kept />
+            </div>
+            <div
+                class="experiment-tab"
+                role="tabpanel"
+                aria-labelledby=tab_id(ExperimentTab::Code.key())
+                hidden=dynamic(move || of.tab.get() != ExperimentTab::Code)
+            >
+                <CodeTab of />
+            </div>
+        </div>
+    }
+}
+
+fn tab_button(of: Experiments, tab: ExperimentTab) -> impl IntoView {
+    let selected = move || of.tab.get() == tab;
+    let works = move || of.shown.get().is_driving() && selected();
+    view! {
+        <button
+            type="button"
+            role="tab"
+            class="tab"
+            class:working=dynamic(works)
+            id=tab_id(tab.key())
+            aria-controls=PANEL
+            aria-selected=dynamic(move || if selected() { "true" } else { "false" })
+            tabindex=dynamic(move || if selected() { "0" } else { "-1" })
+            on:click=handler(move |_| of.tab.set(tab))
+            on:keydown=handler(move |event| move_between_tabs(of, tab, &event))
+        >
+            {name(tab)}
+        </button>
+    }
+}
+
+/// Arrow keys, Home and End choose a tab and take the focus with them.
+fn move_between_tabs(of: Experiments, from: ExperimentTab, event: &KeyboardEvent) {
+    let tabs = ExperimentTab::ALL;
+    let last = tabs.len() - 1;
+    let place = tabs.iter().position(|tab| *tab == from).unwrap_or(0);
+    let place = match event.key().as_str() {
+        "ArrowRight" if place == last => 0,
+        "ArrowRight" => place + 1,
+        "ArrowLeft" => place.checked_sub(1).unwrap_or(last),
+        "Home" => 0,
+        "End" => last,
+        _ => return,
+    };
+    event.prevent_default();
+    if let Some(tab) = tabs.get(place) {
+        of.tab.set(*tab);
+        let tab = document().get_element_by_id(&tab_id(tab.key()));
+        if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
+            // The tab is selected even if it cannot be focused.
+            let _ = tab.focus();
+        }
+    }
+}
+
+/// The buttons that choose what is characterised.
+fn characterise(of: Experiments) -> impl IntoView {
+    let kinds = [
+        StudyKind::Friction,
+        StudyKind::CoastDown,
+        StudyKind::Heating,
+        StudyKind::TorqueSpeed,
+    ];
+    let button = move |kind| {
+        let pressed = move || of.characterise.get() == kind;
+        view! {
+            <button
+                type="button"
+                class="button small"
+                aria-pressed=dynamic(move || if pressed() { "true" } else { "false" })
+                on:click=handler(move |_| of.characterise.set(kind))
+            >
+                {texts::study(kind)}
+            </button>
+        }
+    };
+    let is_open = move || of.tab.get() == ExperimentTab::Characterise;
+    view! {
+        <div
+            class="experiment-kinds"
+            role="group"
+            aria-label=tr!("Characterise")
+            hidden=dynamic(move || !is_open())
+        >
+            {kinds.map(button).collect_view()}
+        </div>
+    }
+}
+
+/// The setpoints that are asked for; during and after a run with what was measured.
+#[component]
+fn Curves(of: Experiments) -> impl IntoView {
+    let place = NodeRef::<Div>::new();
+    effect(move || {
+        of.live_drawn.track();
+        let is_running = of.shown.get().is_driving();
+        let armed = of.armed.get();
+        let html = of.checked.with(|checked| {
+            let live = |plan: &Plan| {
+                of.live.with_value(|live| match &armed {
+                    Some(armed) if armed.plan == *plan => chart::html(plan, Some(live)),
+                    _ => chart::html(plan, None),
+                })
+            };
+            match (checked, &armed) {
+                // A table that is edited meanwhile is not what runs.
+                (_, Some(armed)) if is_running => live(&armed.plan),
+                (Some(Ok((_, plan))), _) => live(plan),
+                _ => String::new(),
+            }
+        });
+        if let Some(place) = place.get() {
+            place.set_inner_html(&html);
+        }
+    });
+    let label = move || {
+        let longest = of.checked.with(|checked| match checked {
+            Some(Ok((_, plan))) => texts::duration(plan.longest_s()),
+            _ => String::new(),
+        });
+        tr!("Setpoints over {time}", time = longest)
+    };
+    let legend = move || {
+        of.armed.get().map(|armed| {
+            let motors = armed.plan.motors().iter().enumerate();
+            motors
+                .map(|(place, motor)| {
+                    let class = format!("plan-name m{}", place % 4);
+                    view! { <span class=class>{motor.id.to_string()}</span> }
+                })
+                .collect_view()
+        })
+    };
+    view! {
+        <figure class="experiment-chart">
+            <div class="plan-charts" role="img" aria-label=dynamic(label) node_ref=place></div>
+            <figcaption>
+                <span class="plan-name asked">{tr!("Setpoint")}</span>
+                {legend}
+            </figcaption>
+        </figure>
+    }
+}

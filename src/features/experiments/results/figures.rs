@@ -1,0 +1,342 @@
+//! The findings of a run as rows of text, for the page and for the report.
+
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{
+    analysis::{Estimate, Spread},
+    study::{
+        CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
+        StepFindings, TorqueSpeedFindings,
+    },
+};
+
+use super::texts;
+use crate::ui::format::{UNKNOWN, in_language, rpm};
+
+/// A figure, with a value for each column.
+pub(super) struct Figure {
+    pub(super) name: &'static str,
+    pub(super) values: Vec<String>,
+}
+
+/// What the page says about a run.
+#[derive(Default)]
+pub(super) struct Figures {
+    /// The heads of the columns, if there are several.
+    pub(super) columns: Vec<String>,
+    pub(super) rows: Vec<Figure>,
+    /// What the figures mean, and the figures of the maker.
+    pub(super) meaning: Vec<String>,
+}
+
+impl Figures {
+    pub(super) fn of(findings: &Findings) -> Self {
+        match findings {
+            Findings::Sequence(_) => Self::default(),
+            Findings::Step(found) => step(found),
+            Findings::Frequency(found) => frequency(found),
+            Findings::Friction(found) => friction(found),
+            Findings::CoastDown(found) => coast_down(found),
+            Findings::Heating(found) => heating(found),
+            Findings::TorqueSpeed(found) => torque_speed(found),
+        }
+    }
+
+    fn row(&mut self, name: &'static str, value: Option<String>) {
+        let value = value.unwrap_or_else(|| UNKNOWN.to_owned());
+        self.rows.push(Figure {
+            name,
+            values: vec![value],
+        });
+    }
+
+    fn says(&mut self, text: impl Into<String>) {
+        self.meaning.push(text.into());
+    }
+
+    fn left_out(&mut self, count: usize) {
+        if count > 0 {
+            self.says(tr!(
+                "Left out, because they were paused or aborted: {count}",
+                count
+            ));
+        }
+    }
+}
+
+/// `22 ms (21 to 23)`: the median with the quartiles.
+fn spread(found: Option<Spread>, factor: f64, decimals: usize, unit: &str) -> String {
+    let Some(found) = found else {
+        return UNKNOWN.to_owned();
+    };
+    let number = |value: f64| number(value * factor, decimals);
+    let median = format!("{} {unit}", number(found.median));
+    if found.count < 2 {
+        return median;
+    }
+    let (low, high) = (number(found.low), number(found.high));
+    format!("{median} ({low}…{high})")
+}
+
+/// `1.002 ± 0.004 g·m²`
+fn estimate(found: Estimate, factor: f64, decimals: usize, unit: &str) -> String {
+    let value = number(found.value * factor, decimals);
+    let plus_minus = number(found.plus_minus.abs() * factor, decimals);
+    format!("{value} ± {plus_minus} {unit}")
+}
+
+fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
+    let text = if is_zero {
+        text.replace('-', "")
+    } else {
+        text.replace('-', "\u{2212}")
+    };
+    in_language(text)
+}
+
+fn step(found: &StepFindings) -> Figures {
+    let mut figures = Figures {
+        columns: found
+            .groups
+            .iter()
+            .map(|group| texts::acceleration(group.acceleration.byte()))
+            .collect(),
+        ..Figures::default()
+    };
+    let step = (found.to_rpm - found.from_rpm).abs();
+    let over = |value: fn(&StepFindings) -> Vec<Option<Spread>>, factor, decimals, unit: &str| {
+        let spreads = value(found).into_iter();
+        let text = |it| spread(it, factor, decimals, unit);
+        spreads.map(text).collect::<Vec<String>>()
+    };
+    macro_rules! of {
+        ($field:ident) => {
+            |found| {
+                found
+                    .groups
+                    .iter()
+                    .map(|group| group.summary.$field)
+                    .collect()
+            }
+        };
+    }
+    let rows = [
+        (tr!("Latency"), over(of!(latency_s), 1e3, 0, "ms")),
+        (tr!("Rise time"), over(of!(rise_s), 1e3, 0, "ms")),
+        (tr!("Overshoot"), over(of!(overshoot), 100.0, 1, "%")),
+        (tr!("Settling time"), over(of!(settling_s), 1e3, 0, "ms")),
+        (
+            tr!("Steady-state error"),
+            over(of!(steady_error), 1.0, 1, rpm()),
+        ),
+        (tr!("Peak current"), over(of!(peak_amps), 1.0, 2, "A")),
+    ];
+    figures.rows = rows
+        .into_iter()
+        .map(|(name, mut values)| {
+            if values.is_empty() {
+                values.push(UNKNOWN.to_owned());
+            }
+            Figure { name, values }
+        })
+        .collect();
+    figures.left_out(found.left_out);
+    figures.says(tr!(
+        "How fast the motor follows a step of {step} rpm. The median of the repeats, with the quartiles in brackets.",
+        step = number(step, 0)
+    ));
+    figures.says(tr!(
+        "Maker: from rest to 90 % of 120 rpm in 446 ms at acceleration 1, with at most 0.40 A."
+    ));
+    figures
+}
+
+fn frequency(found: &FrequencyFindings) -> Figures {
+    let mut figures = Figures::default();
+    let valid = || found.points.iter().filter(|point| point.invalid.is_none());
+    // The bandwidth is the first valid point 3 dB below the lowest one.
+    let first = valid().next().map(|point| point.gain_db);
+    let edge = first.and_then(|first| valid().find(|point| point.gain_db < first - 3.0));
+    figures.row(
+        tr!("Bandwidth (\u{2212}3 dB)"),
+        edge.map(|point| format!("≤ {} Hz", number(point.hz, 2))),
+    );
+    figures.row(
+        tr!("Valid points"),
+        Some(format!("{} / {}", valid().count(), found.points.len())),
+    );
+    for point in &found.points {
+        if let Some(why) = point.invalid {
+            figures.says(tr!(
+                "{hz} Hz is not valid: {why}",
+                hz = number(point.hz, 2),
+                why = texts::invalid(why)
+            ));
+        }
+    }
+    figures.left_out(found.left_out);
+    figures.says(tr!(
+        "How well the velocity loop follows a sine: 0 dB is the full amplitude, and a phase below 0° is a delay. Crosses mark points that are not valid."
+    ));
+    figures
+}
+
+fn friction(found: &FrictionFindings) -> Figures {
+    let mut figures = Figures::default();
+    let fit = found.friction;
+    figures.row(
+        tr!("Coulomb part"),
+        fit.map(|fit| estimate(fit.coulomb_a, 1.0, 3, "A")),
+    );
+    let unit = format!("mA/{}", rpm());
+    figures.row(
+        tr!("Viscous part"),
+        fit.map(|fit| estimate(fit.viscous_a_per_rpm, 1e3, 3, &unit)),
+    );
+    figures.left_out(found.left_out);
+    figures.says(tr!(
+        "The current that the motor reports at an even speed: a part that does not depend on the speed, and one that grows with it. It is more than friction; the coast-down measures that."
+    ));
+    figures.says(tr!("Maker: at most 0.25 A without load."));
+    figures
+}
+
+fn coast_down(found: &CoastDownFindings) -> Figures {
+    let mut figures = Figures::default();
+    let fit = found.inertia;
+    figures.row(
+        tr!("Inertia"),
+        fit.map(|fit| estimate(fit.inertia_kg_m2, 1e3, 4, "g·m²")),
+    );
+    figures.row(
+        tr!("Dry friction"),
+        fit.map(|fit| estimate(fit.dry_nm, 1e3, 3, "mN·m")),
+    );
+    figures.row(
+        tr!("Viscous friction"),
+        fit.map(|fit| estimate(fit.viscous_nm_s, 1e3, 4, "mN·m·s")),
+    );
+    figures.row(
+        tr!("Friction over inertia"),
+        found
+            .coast
+            .map(|coast| estimate(coast.dry_rad_s2, 1.0, 3, "rad/s²")),
+    );
+    figures.says(tr!(
+        "Inertia from pushes by a known current, friction from how the wheel slows down at 0 A. The interval holds the true value in 99 of 100 cases."
+    ));
+    figures.says(tr!(
+        "Maker: 0.75 N·m/A, which gives the torque of a push; a wheel of 102 mm and 485 g."
+    ));
+    figures
+}
+
+fn heating(found: &HeatingFindings) -> Figures {
+    let mut figures = Figures::default();
+    let fit = found.heating;
+    figures.row(
+        tr!("Time constant"),
+        fit.map(|fit| estimate(fit.time_constant_s, 1.0, 0, "s")),
+    );
+    figures.row(
+        tr!("Final temperature"),
+        fit.map(|fit| estimate(fit.final_c, 1.0, 1, "°C")),
+    );
+    figures.row(
+        tr!("Mean current"),
+        found.amps.map(|amps| format!("{} A", number(amps, 2))),
+    );
+    figures.says(tr!(
+        "After one time constant the winding has 63 % of its rise. The final temperature is where it ends at this current."
+    ));
+    figures.says(tr!(
+        "Maker: the motor protects itself at 80 °C, until it has cooled to 75 °C."
+    ));
+    figures
+}
+
+fn torque_speed(found: &TorqueSpeedFindings) -> Figures {
+    let mut figures = Figures::default();
+    let line = found.line;
+    figures.row(
+        tr!("No-load speed"),
+        line.map(|line| estimate(line.no_load_rpm, 1.0, 1, rpm())),
+    );
+    let unit = format!("{}/N·m", rpm());
+    figures.row(
+        tr!("Speed lost to torque"),
+        line.map(|line| estimate(line.droop_rpm_per_nm, 1.0, 1, &unit)),
+    );
+    figures.row(
+        tr!("Largest torque"),
+        line.map(|line| format!("{} N·m", number(line.torque_max_nm, 2))),
+    );
+    figures.says(tr!(
+        "How much slower the wheel turns under load. Beyond the largest measured torque the line is unknown."
+    ));
+    figures.says(tr!(
+        "Maker: 200 ± 10 rpm without load at 18 V, 0.96 N·m at 115 rpm, 2.0 N·m at a stall."
+    ));
+    figures
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        experiments::{analysis::BodePoint, analysis::Invalid, study::StepStudy, study::Study},
+        protocol::MotorId,
+    };
+
+    use super::*;
+
+    #[test]
+    fn a_figure_has_its_interval_and_no_sign_at_zero() {
+        let found = Estimate {
+            value: 1.002e-3,
+            plus_minus: 4e-6,
+        };
+        assert_eq!(estimate(found, 1e3, 4, "g·m²"), "1.0020 ± 0.0040 g·m²");
+        assert_eq!(number(-0.001, 1), "0.0");
+        assert_eq!(number(-1.25, 1), "\u{2212}1.2");
+        let repeats = Spread {
+            median: 0.022,
+            low: 0.021,
+            high: 0.023,
+            count: 5,
+        };
+        assert_eq!(spread(Some(repeats), 1e3, 0, "ms"), "22 ms (21…23)");
+        let one = Spread {
+            count: 1,
+            ..repeats
+        };
+        assert_eq!(spread(Some(one), 1e3, 0, "ms"), "22 ms");
+        assert_eq!(spread(None, 1e3, 0, "ms"), UNKNOWN);
+    }
+
+    #[test]
+    fn a_step_without_replies_has_unknown_figures() {
+        let study = Study::Step(StepStudy::of(MotorId::FIRST));
+        let found = study.evaluate(&Default::default(), &Default::default());
+        let figures = Figures::of(&found);
+        assert_eq!(figures.rows.len(), 6);
+        assert!(figures.rows.iter().all(|row| row.values == [UNKNOWN]));
+    }
+
+    #[test]
+    fn an_invalid_point_is_named_with_its_reason() {
+        let found = Findings::Frequency(FrequencyFindings {
+            points: vec![BodePoint {
+                hz: 12.6,
+                gain_db: 0.0,
+                phase_deg: 0.0,
+                coherence: 0.1,
+                invalid: Some(Invalid::TooSmall),
+            }],
+            left_out: 0,
+        });
+        let figures = Figures::of(&found);
+        assert!(figures.meaning[0].starts_with("12.60 Hz is not valid"));
+        assert_eq!(figures.rows[1].values, ["0 / 1"]);
+    }
+}

@@ -1,0 +1,82 @@
+//! Names of axes, and how a run ended.
+
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{
+    analysis::Invalid,
+    chart::AxisName,
+    kept::{Outcome, RunHeader},
+    runner::End,
+};
+
+use crate::{
+    features::experiments::texts,
+    ui::{
+        clock::{local_date, local_time},
+        format,
+    },
+};
+
+/// The name of an axis with its unit.
+pub(super) fn axis(name: AxisName) -> String {
+    let (name, unit) = match name {
+        AxisName::Time => (tr!("Time"), "s"),
+        AxisName::Speed => (tr!("Speed"), format::rpm()),
+        AxisName::Current => (tr!("Current" as "electric"), "A"),
+        AxisName::Temperature => (tr!("Temperature"), "°C"),
+        AxisName::Torque => (tr!("Torque"), "N·m"),
+        AxisName::Frequency => (tr!("Frequency"), "Hz"),
+        AxisName::Gain => (tr!("Gain"), "dB"),
+        AxisName::Phase => (tr!("Phase"), "°"),
+        AxisName::Coherence => return tr!("Coherence").to_owned(),
+    };
+    format!("{name} ({unit})")
+}
+
+/// `Acceleration 3`
+pub(super) fn acceleration(byte: u8) -> String {
+    tr!("Acceleration {value}", value = byte)
+}
+
+/// How a run ended.
+pub(super) fn outcome(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::Running => tr!("Running").to_owned(),
+        Outcome::Ended(End::Finished { .. }) => tr!("Finished").to_owned(),
+        Outcome::Ended(end) => texts::end(end, None),
+        Outcome::PageClosed => tr!("Aborted: the page was closed").to_owned(),
+    }
+}
+
+/// Why a point of a Bode plot is invalid.
+pub(super) fn invalid(why: Invalid) -> &'static str {
+    match why {
+        Invalid::TooShort => tr!("too few periods or replies"),
+        Invalid::RepliesLost => tr!("too many replies lost"),
+        Invalid::Saturated => tr!("the current was at its limit"),
+        Invalid::Clipped => tr!("the setpoint was clipped"),
+        Invalid::TooSmall => tr!("the response is smaller than 1 rpm"),
+        Invalid::NotCoherent => tr!("too much noise"),
+    }
+}
+
+/// `motor 1 (front left), ddsm115`
+pub(super) fn motors(run: &RunHeader) -> String {
+    let motors: Vec<String> = run
+        .motors
+        .iter()
+        .map(|(id, name)| {
+            if name.is_empty() {
+                id.get().to_string()
+            } else {
+                format!("{} ({name})", id.get())
+            }
+        })
+        .collect();
+    motors.join(", ")
+}
+
+/// The local date and time of its start.
+pub(super) fn date(run: &RunHeader) -> String {
+    let ms = run.began_unix_ms;
+    format!("{} {}", local_date(ms), local_time(ms))
+}

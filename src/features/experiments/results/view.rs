@@ -1,0 +1,118 @@
+//! The chart and the figures of one run, or of several over each other.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{
+    chart::{Chart, charts, compared_charts},
+    study::{Findings, StudyKind},
+};
+
+use super::{
+    figures::{Figure, Figures},
+    texts as names,
+};
+use crate::{
+    features::experiments::{kept::KeptRuns, texts},
+    ui::reactive::dynamic,
+};
+
+/// The charts of these runs.
+pub(super) fn charts_of(kept: KeptRuns, shown: &[u32]) -> Vec<Chart> {
+    if let [number] = shown {
+        return kept
+            .findings(*number)
+            .map_or_else(Vec::new, |findings| charts(&findings, &names::acceleration));
+    }
+    let runs: Vec<(String, Findings)> = shown
+        .iter()
+        .filter_map(|number| {
+            let name = kept.header(*number)?.name;
+            Some((name, kept.findings(*number)?.as_ref().clone()))
+        })
+        .collect();
+    compared_charts(&runs)
+}
+
+/// The charts. `shown` has the numbers of the runs.
+#[component]
+pub(crate) fn RunChart(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView {
+    // The charts of a builder that escapes every text.
+    let html = move || {
+        let mut html = String::new();
+        for chart in charts_of(kept, &shown.get()) {
+            chart.svg(&names::axis).write(&mut html);
+        }
+        html
+    };
+    let label = move || {
+        let first = shown.with(|shown| shown.first().copied());
+        let kind = first.and_then(|first| Some(kept.header(first)?.study()?.kind()));
+        match kind {
+            Some(StudyKind::Frequency) => tr!("Bode plot"),
+            Some(kind) => texts::study(kind),
+            None => tr!("Chart"),
+        }
+    };
+    view! {
+        <div
+            class="run-chart"
+            role="img"
+            aria-label=dynamic(label)
+            hidden=dynamic(move || shown.with(Vec::is_empty))
+            inner_html=dynamic(html)
+        ></div>
+    }
+}
+
+/// The figures of each run with what they mean.
+#[component]
+pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView {
+    let runs = move || {
+        let shown = shown.get();
+        let runs = shown.into_iter().filter_map(move |number| {
+            let header = kept.header(number)?;
+            let figures = kept.findings(number).map(|found| Figures::of(&found));
+            let outcome = names::outcome(header.outcome);
+            Some(view! {
+                <section class="run-figures" aria-label=header.name.clone()>
+                    <h3>{header.name.clone()}</h3>
+                    <p class="quiet">{names::date(&header)} " · " {outcome}</p>
+                    {figures.map(figures_view)}
+                </section>
+            })
+        });
+        runs.collect_view()
+    };
+    view! { <div class="run-results">{runs}</div> }
+}
+
+fn figures_view(figures: Figures) -> impl IntoView {
+    let columns = figures.columns;
+    let has_columns = columns.len() > 1;
+    let head = has_columns.then(|| {
+        let names = columns.into_iter();
+        let cells = names.map(|name| view! { <span>{name}</span> });
+        view! {
+            <div class="figure-row figure-head">
+                <span></span>
+                <span class="figure-values">{cells.collect_view()}</span>
+            </div>
+        }
+    });
+    let rows = figures.rows.into_iter().map(|Figure { name, values }| {
+        let values = values.into_iter();
+        let cells = values.map(|value| view! { <span>{value}" "</span> });
+        view! {
+            <div class="figure-row">
+                <span class="figure-name" aria-hidden="true">{name}</span>
+                <output class="figure-values" aria-label=name>{cells.collect_view()}</output>
+            </div>
+        }
+    });
+    let meaning = figures.meaning.into_iter();
+    view! {
+        {head}
+        {rows.collect_view()}
+        {meaning.map(|text| view! { <p class="figure-meaning">{text}</p> }).collect_view()}
+    }
+}
