@@ -1,5 +1,7 @@
 //! The panel `Experiments`, with a worker that notes what is asked of it.
 
+use std::fmt::Write as _;
+
 use motorlink_messages::{
     ToPage, ToWorker,
     bus::Command,
@@ -262,7 +264,7 @@ async fn ten_thousand_steps_do_not_fill_the_page() {
     let bench = panel("experiments-long", Mode::Velocity).await;
     let mut rows = "time_s,rpm\n".to_owned();
     for row in 0..10_000 {
-        rows.push_str(&format!("{}.{:02},{}\n", row / 50, row % 50 * 2, row % 100));
+        writeln!(rows, "{}.{:02},{}", row / 50, row % 50 * 2, row % 100).unwrap();
     }
     let input = crate::bench::document()
         .query_selector(".experiment-fields input[type=file]")

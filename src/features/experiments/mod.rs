@@ -7,7 +7,8 @@
 //! | `panel` | the panel `Experiments` with its tabs |
 //! | `state`, `actions` | what the panel knows; what its buttons do |
 //! | `table` | the table of steps as it is typed |
-//! | `steps`, `steps_grid` | the tab Sequence; its table as HTML |
+//! | `sequence_fields`, `sequence_file` | template, name and limits of a sequence; a sequence as a file |
+//! | `steps`, `steps_grid` | the table of steps; its rows as HTML |
 //! | `fields` | the parameters of a study |
 //! | `run_bar` | arm, run, pause, abort |
 //! | `chart` | the curves of a plan and of its run |
@@ -24,6 +25,8 @@ mod kept;
 pub(crate) mod panel;
 mod results;
 mod run_bar;
+mod sequence_fields;
+mod sequence_file;
 pub(crate) mod state;
 mod steps;
 mod steps_grid;

@@ -16,8 +16,9 @@ use crate::{
             view::{RunChart, RunFigures},
         },
         run_bar::{RunBar, RunSettings},
+        sequence_fields::SequenceFields,
         state::{ExperimentTab, Experiments},
-        steps::{SequenceFields, StepsTable},
+        steps::StepsTable,
         texts,
     },
     ui::{

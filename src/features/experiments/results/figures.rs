@@ -284,7 +284,11 @@ fn torque_speed(found: &TorqueSpeedFindings) -> Figures {
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
-        experiments::{analysis::BodePoint, analysis::Invalid, study::StepStudy, study::Study},
+        experiments::{
+            analysis::{BodePoint, Invalid},
+            runner::Record,
+            study::{Measured, StepStudy, Study},
+        },
         protocol::MotorId,
     };
 
@@ -317,7 +321,7 @@ mod tests {
     #[test]
     fn a_step_without_replies_has_unknown_figures() {
         let study = Study::Step(StepStudy::of(MotorId::FIRST));
-        let found = study.evaluate(&Default::default(), &Default::default());
+        let found = study.evaluate(&Record::default(), &Measured::default());
         let figures = Figures::of(&found);
         assert_eq!(figures.rows.len(), 6);
         assert!(figures.rows.iter().all(|row| row.values == [UNKNOWN]));
