@@ -57,7 +57,7 @@ fn armed(run: u32) -> FromRun {
 }
 
 fn is_disabled(bench: &Bench, name: &str) -> bool {
-    bench.find("button", name).has_attribute("disabled")
+    in_panel(bench, name)[0].has_attribute("disabled")
 }
 
 /// Arms what the tab asks, and returns the message.
@@ -71,6 +71,13 @@ async fn arm(bench: &Bench) -> (u32, Sequence) {
         panic!("{told:?}")
     };
     (*run, Sequence::from_json(sequence).unwrap())
+}
+
+/// The buttons of this name in the panel: the packet log has a button `Pause` too.
+fn in_panel(bench: &Bench, name: &str) -> Vec<web_sys::HtmlElement> {
+    let mut found = bench.find_all("button", name);
+    found.retain(|button| button.closest(".experiments").unwrap().is_some());
+    found
 }
 
 fn cell(name: &str) -> HtmlInputElement {
@@ -113,7 +120,7 @@ async fn arming_shows_what_will_move_and_only_run_starts_it() {
     say(&bench, &state(number, Phase::Running, Some(now())));
     bench.until("Pause", || !is_disabled(&bench, "Pause")).await;
     assert!(is_disabled(&bench, "Run") && is_disabled(&bench, "Arm"));
-    bench.click("Pause");
+    in_panel(&bench, "Pause")[0].click();
     assert_eq!(told(&bench).await, [ToRun::Pause]);
     say(&bench, &state(number, Phase::Paused, Some(now())));
     bench
@@ -235,6 +242,7 @@ async fn the_tabs_follow_the_arrow_keys_and_each_study_can_be_armed() {
         .await;
     bench.enter("To", "80");
     bench.enter("Repeats", "2");
+    pause(100).await;
     let (_, sequence) = arm(&bench).await;
     assert!(sequence.to_json().contains("80"), "{}", sequence.to_json());
     bench.find("tab", "Step response").focus().unwrap();

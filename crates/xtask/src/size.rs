@@ -46,7 +46,7 @@ struct Part {
 }
 
 /// Every file belongs to the first part that names it.
-const PARTS: [Part; 17] = [
+const PARTS: [Part; 18] = [
     part(
         "page",
         When::First,
@@ -74,6 +74,8 @@ const PARTS: [Part; 17] = [
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500).
     part("seldom used", When::Asked, &["seldom"], 80_000),
+    // The panel Experiments: sequences, studies with their figures and charts, kept runs, programs.
+    part("experiments", When::Asked, &["experiments"], 150_000),
     part("help", When::Behind, &["help.", "help-"], 8_200),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000.

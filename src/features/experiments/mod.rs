@@ -18,11 +18,11 @@
 
 mod actions;
 mod chart;
-pub(crate) mod code;
+mod code;
 mod fields;
-pub(crate) mod kept;
+mod kept;
 pub(crate) mod panel;
-pub(crate) mod results;
+mod results;
 mod run_bar;
 pub(crate) mod state;
 mod steps;

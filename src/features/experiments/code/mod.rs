@@ -12,7 +12,11 @@ use motorlink_messages::{
 use wasm_bindgen_futures::JsFuture;
 
 use crate::{
-    features::experiments::{results::save_text, state::Experiments, texts},
+    features::experiments::{
+        results::save_text,
+        state::{Draft, Experiments},
+        texts,
+    },
     model::names_and_sides::Side,
     ui::{
         button::PressButton,
@@ -56,7 +60,7 @@ fn files(of: Experiments, code: Code) -> Files {
     if code == Code::Ros2 {
         return robot(of);
     }
-    let sequence = of.draft.with(|draft| draft.sequence());
+    let sequence = of.draft.with(Draft::sequence);
     let refused = |error| texts::refused(&error, None);
     let sequence = sequence.map_err(refused)?;
     let plan = of.fleet.with(|fleet| Plan::new(&sequence, fleet));

@@ -57,6 +57,15 @@ struct Pending {
 /// Findings with the version of the record that they follow from.
 type Cache = BTreeMap<u32, (u32, Rc<Findings>)>;
 
+/// What no view reads directly. One value, so that the handle is small.
+#[derive(Default)]
+struct Memory {
+    records: BTreeMap<u32, Record>,
+    pending: Pending,
+    database: Option<Rc<Database>>,
+    findings: Cache,
+}
+
 /// The kept runs. Without storage they are kept in memory, and the user is told.
 #[derive(Clone, Copy)]
 pub(crate) struct KeptRuns {
@@ -66,10 +75,7 @@ pub(crate) struct KeptRuns {
     pub(crate) said: RwSignal<String>,
     /// Grows whenever a record is loaded, extended or ended.
     pub(crate) version: RwSignal<u32>,
-    records: StoredValue<BTreeMap<u32, Record>, LocalStorage>,
-    pending: StoredValue<Pending, LocalStorage>,
-    database: StoredValue<Option<Rc<Database>>, LocalStorage>,
-    findings: StoredValue<Cache, LocalStorage>,
+    memory: StoredValue<Memory, LocalStorage>,
 }
 
 impl KeptRuns {
@@ -81,16 +87,17 @@ impl KeptRuns {
                     list: RwSignal::new(Vec::new()),
                     said: RwSignal::new(String::new()),
                     version: RwSignal::new(0),
-                    records: StoredValue::new_local(BTreeMap::new()),
-                    pending: StoredValue::new_local(Pending::default()),
-                    database: StoredValue::new_local(None),
-                    findings: StoredValue::new_local(Cache::new()),
+                    memory: StoredValue::new_local(Memory::default()),
                 };
                 provide_context(new);
                 spawn_local(new.open());
                 new
             })
         })
+    }
+
+    fn database(self) -> Option<Rc<Database>> {
+        self.memory.with_value(|memory| memory.database.clone())
     }
 
     async fn open(self) {
@@ -101,7 +108,8 @@ impl KeptRuns {
         let Ok((database, headers)) = opened else {
             return self.say_not_stored();
         };
-        self.database.set_value(Some(Rc::new(database)));
+        self.memory
+            .update_value(|memory| memory.database = Some(Rc::new(database)));
         self.list.update(|list| {
             let known: Vec<u32> = list.iter().map(|run| run.number).collect();
             // A run without an end was cut off with its page, or another tab runs it.
@@ -159,10 +167,12 @@ impl KeptRuns {
             bytes: 0,
         };
         let record = header.record();
-        self.records.update_value(|records| {
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
             records.insert(header.number, record);
         });
-        self.pending.set_value(Pending::default());
+        self.memory
+            .update_value(|memory| memory.pending = Pending::default());
         self.list.update(|list| list.insert(0, header.clone()));
         self.put(header);
         self.keep_within_bounds();
@@ -172,7 +182,8 @@ impl KeptRuns {
     /// Adds a part to the record of the run that goes on. It is stored about once a second.
     pub(crate) fn add_part(self, number: u32, part: RecordPart) {
         let mut samples = 0;
-        self.records.update_value(|records| {
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
             if let Some(record) = records.get_mut(&number) {
                 record.add_part(part.clone());
                 samples = record.samples().len();
@@ -181,7 +192,8 @@ impl KeptRuns {
         let now_ms = page_now_ms();
         let mut is_shown = false;
         let mut is_due = false;
-        self.pending.update_value(|pending| {
+        self.memory.update_value(|memory| {
+            let pending = &mut memory.pending;
             pending.part.samples.extend(part.samples);
             pending.part.sent.extend(part.sent);
             pending.part.marks.extend(part.marks);
@@ -206,7 +218,8 @@ impl KeptRuns {
 
     /// The run has ended.
     pub(crate) fn end(self, number: u32, end: End) {
-        self.records.update_value(|records| {
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
             if let Some(record) = records.get_mut(&number) {
                 record.ended(end);
             }
@@ -231,12 +244,13 @@ impl KeptRuns {
         });
         self.list
             .update(|list| list.retain(|run| !gone.contains(&run.number)));
-        self.records.update_value(|records| {
+        self.memory.update_value(|memory| {
+            let records = &mut memory.records;
             records.retain(|number, _| !gone.contains(number));
         });
-        self.findings
-            .update_value(|cache| cache.retain(|number, _| !gone.contains(number)));
-        let Some(database) = self.database.get_value() else {
+        self.memory
+            .update_value(|memory| memory.findings.retain(|number, _| !gone.contains(number)));
+        let Some(database) = self.database() else {
             return;
         };
         spawn_local(async move {
@@ -258,8 +272,8 @@ impl KeptRuns {
     pub(crate) fn with_record<T>(self, number: u32, read: impl FnOnce(&Record) -> T) -> Option<T> {
         self.version.track();
         let found = self
-            .records
-            .with_value(|records| records.get(&number).map(read));
+            .memory
+            .with_value(|memory| memory.records.get(&number).map(read));
         if found.is_none() {
             self.load(number);
         }
@@ -274,8 +288,8 @@ impl KeptRuns {
         let version = self.version.get();
         let is_running = header.outcome == Outcome::Running;
         let cached = self
-            .findings
-            .with_value(|cache| cache.get(&number).cloned());
+            .memory
+            .with_value(|memory| memory.findings.get(&number).cloned());
         if let Some((of, findings)) = cached
             && (of == version || !is_running && of == u32::MAX)
         {
@@ -285,7 +299,8 @@ impl KeptRuns {
         let found = Rc::new(found);
         // A run that has ended does not change.
         let of = if is_running { version } else { u32::MAX };
-        self.findings.update_value(|cache| {
+        self.memory.update_value(|memory| {
+            let cache = &mut memory.findings;
             if cache.len() > RECORDS_MAX {
                 cache.clear();
             }
@@ -295,7 +310,7 @@ impl KeptRuns {
     }
 
     fn load(self, number: u32) {
-        let Some(database) = self.database.get_value() else {
+        let Some(database) = self.database() else {
             return;
         };
         let header = self.list.with_untracked(|list| {
@@ -314,7 +329,8 @@ impl KeptRuns {
             for part in parts {
                 record.add_part(part);
             }
-            self.records.update_value(|records| {
+            self.memory.update_value(|memory| {
+                let records = &mut memory.records;
                 if records.len() >= RECORDS_MAX {
                     let running = self.list.with_untracked(|list| {
                         let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
@@ -331,11 +347,12 @@ impl KeptRuns {
 
     /// Stores what is pending.
     fn store(self, number: u32) {
-        let Some(database) = self.database.get_value() else {
+        let Some(database) = self.database() else {
             return;
         };
         let mut taken = None;
-        self.pending.update_value(|pending| {
+        self.memory.update_value(|memory| {
+            let pending = &mut memory.pending;
             pending.stored_ms = page_now_ms();
             let part = std::mem::take(&mut pending.part);
             taken = Some((pending.place, part));
@@ -374,7 +391,7 @@ impl KeptRuns {
     }
 
     fn put(self, header: RunHeader) {
-        let Some(database) = self.database.get_value() else {
+        let Some(database) = self.database() else {
             return;
         };
         spawn_local(async move {

@@ -5,6 +5,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     chart::RUNS_MAX,
     kept::{Outcome, RunHeader},
+    sequence::NAME_MAX,
 };
 
 use super::{
@@ -164,7 +165,33 @@ fn buttons(of: Choice) -> impl IntoView {
         )
     };
     let none_marked = Signal::derive(move || of.none_marked());
+    let one = move || {
+        of.marked
+            .with(|marked| <[u32; 1]>::try_from(marked.as_slice()).ok())
+    };
+    let name = move || {
+        let header = one().and_then(|[number]| of.kept.header(number));
+        header.map(|header| header.name).unwrap_or_default()
+    };
+    let rename = move |event| {
+        let typed: String = event_target_value(&event);
+        let typed: String = typed.trim().chars().take(NAME_MAX).collect();
+        if let (Some([number]), false) = (untrack(one), typed.is_empty()) {
+            of.kept.rename(number, &typed);
+        }
+    };
     view! {
+        <label class="ask-field">
+            <span class="field-name">{tr!("Name of the run")}</span>
+            <input
+                type="text"
+                maxlength=NAME_MAX.to_string()
+                prop:value=dynamic(name)
+                disabled=dynamic(move || one().is_none())
+                title=tr!("Mark one run to rename it")
+                on:change=handler(rename)
+            />
+        </label>
         <div class="button-row">
             <PressButton
                 label=tr!("Compare")
