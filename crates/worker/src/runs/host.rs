@@ -132,3 +132,42 @@ fn call(program: &Function, now: Instant, input: &Input) -> Option<Output> {
     };
     decode(&output.to_vec()).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use js_sys::JsString;
+    use motorlink_runs::Act;
+    use wasm_bindgen::prelude::Closure;
+    use wasm_bindgen_test::wasm_bindgen_test;
+
+    use super::*;
+    use crate::runs::program::handle;
+
+    /// A function as the glue of the program exports it.
+    fn function(of: impl Fn(Uint8Array, f64) -> Result<Uint8Array, JsValue> + 'static) -> Function {
+        let closure = Closure::<dyn Fn(Uint8Array, f64) -> Result<Uint8Array, JsValue>>::new(of);
+        closure.into_js_value().unchecked_into()
+    }
+
+    #[wasm_bindgen_test]
+    fn an_input_reaches_the_program_and_its_output_comes_back() {
+        let program = function(|input, now_us| {
+            let output = handle(&input.to_vec(), now_us);
+            Ok(Uint8Array::from(output.as_slice()))
+        });
+        let nothing = Output {
+            act: Act::Nothing,
+            wake: None,
+        };
+        let now = Instant::from_millis(5);
+        assert_eq!(call(&program, now, &Input::Tick), Some(nothing));
+    }
+
+    #[wasm_bindgen_test]
+    fn a_program_that_traps_or_returns_nonsense_has_failed() {
+        let traps = function(|_, _| Err(JsString::from("unreachable").into()));
+        assert_eq!(call(&traps, Instant::ZERO, &Input::Tick), None);
+        let nonsense = function(|_, _| Ok(Uint8Array::new_with_length(0)));
+        assert_eq!(call(&nonsense, Instant::ZERO, &Input::Tick), None);
+    }
+}
