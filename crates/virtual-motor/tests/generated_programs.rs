@@ -136,7 +136,9 @@ fn drive_and_stop(language: &dyn Language) {
     let dir = tempfile::tempdir().unwrap();
     let run = |name: &str, text: &str, ids: &str, act: &dyn Fn(&mut Program, &mut Running)| {
         let mut motors = Program::start(&["--ids", ids]);
-        let fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
+        let mut fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
+        // One wheel is on the right side.
+        fleet.mirrored = vec![id(2)];
         let sequence = Sequence::from_json(text).unwrap();
         let plan = Plan::new(&sequence, &fleet).unwrap();
         let dir = dir.path().join(name);
@@ -164,7 +166,7 @@ fn drive_and_stop(language: &dyn Language) {
     run("whole", SHORT, "1,2", &|motors, running| {
         let mut fastest = 0.0_f32;
         while !running.said.iter().any(|line| line.starts_with("finished")) {
-            fastest = fastest.max(rpm(motors, 1)).max(rpm(motors, 2));
+            fastest = fastest.max(rpm(motors, 1)).max(-rpm(motors, 2));
             if let Ok(line) = running.lines.recv_timeout(Duration::from_millis(20)) {
                 assert!(!line.starts_with("aborted"), "{line}");
                 running.said.push(line);
@@ -178,7 +180,7 @@ fn drive_and_stop(language: &dyn Language) {
         );
     });
     run("interrupted", LONG, "1,2", &|motors, running| {
-        while rpm(motors, 1) < 50.0 {
+        while rpm(motors, 1) < 50.0 || rpm(motors, 2) > -50.0 {
             thread::sleep(Duration::from_millis(20));
         }
         running.interrupt();

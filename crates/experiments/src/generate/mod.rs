@@ -13,7 +13,7 @@ use motorlink_protocol::Mode;
 
 pub use ros2::{Ros2, Ros2Files, ros2};
 
-use crate::plan::Plan;
+use crate::plan::{Plan, PlanMotor};
 
 const PYTHON: &str = include_str!("program.py");
 const ARDUINO: &str = include_str!("program.ino");
@@ -49,7 +49,14 @@ pub struct RustFiles {
 #[must_use]
 pub fn python(program: &Program<'_>) -> String {
     let motors = program.plan.motors.iter();
-    let motors = motors.map(|motor| format!("({}, {})", motor.id.get(), motor.mode().byte()));
+    let motors = motors.map(|motor| {
+        format!(
+            "({}, {}, {})",
+            motor.id.get(),
+            motor.mode().byte(),
+            sign(motor)
+        )
+    });
     fill(
         PYTHON,
         program,
@@ -63,7 +70,14 @@ pub fn python(program: &Program<'_>) -> String {
 #[must_use]
 pub fn arduino(program: &Program<'_>) -> String {
     let motors = program.plan.motors.iter();
-    let motors = motors.map(|motor| format!("{{{}, {}}}", motor.id.get(), motor.mode().byte()));
+    let motors = motors.map(|motor| {
+        format!(
+            "{{{}, {}, {}}}",
+            motor.id.get(),
+            motor.mode().byte(),
+            sign(motor)
+        )
+    });
     fill(
         ARDUINO,
         program,
@@ -83,7 +97,7 @@ pub fn rust(program: &Program<'_>) -> RustFiles {
             Mode::Velocity => "Velocity",
             Mode::Position => "Position",
         };
-        format!("({}, Mode::{mode})", motor.id.get())
+        format!("({}, Mode::{mode}, {}.0)", motor.id.get(), sign(motor))
     });
     RustFiles {
         manifest: RUST_MANIFEST.to_owned(),
@@ -95,6 +109,11 @@ pub fn rust(program: &Program<'_>) -> RustFiles {
             "f64::INFINITY",
         ),
     }
+}
+
+/// The sign of speeds and currents on the wire.
+const fn sign(motor: &PlanMotor) -> i8 {
+    if motor.mirrored { -1 } else { 1 }
 }
 
 /// One item per line.

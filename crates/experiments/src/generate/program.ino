@@ -21,8 +21,8 @@ const int MISSED_MAX = 10, DEPTH_MAX = 8;
 
 enum { CURRENT = 1, VELOCITY = 2, POSITION = 3 };
 
-struct Named { uint8_t id, mode; };
-// Motor ID, and its loop.
+struct Named { uint8_t id, mode; int8_t sign; };
+// Motor ID, its loop, and -1 if it is mounted mirrored: its speed and its current have the opposite sign on the wire.
 const Named MOTORS[@MOTOR_COUNT@] = {
     // @MOTORS@
 };
@@ -165,8 +165,8 @@ double value_at(const Motor &motor, double at_s) {
 void set(int m, double value) {
   Motor &motor = motors[m];
   if (motor.brakes) drive(m, 0, 0, 0xFF);
-  else if (MOTORS[m].mode == VELOCITY) drive(m, lround(value), motor.acceleration, 0);
-  else if (MOTORS[m].mode == CURRENT) drive(m, lround(value * 32767 / 8), 0, 0);
+  else if (MOTORS[m].mode == VELOCITY) drive(m, MOTORS[m].sign * lround(value), motor.acceleration, 0);
+  else if (MOTORS[m].mode == CURRENT) drive(m, MOTORS[m].sign * lround(value * 32767 / 8), 0, 0);
   else drive(m, lround(value * 32767 / 360), 0, 0);
 }
 

@@ -17,7 +17,8 @@ PORT = "@PORT@"
 PERIOD_S = @PERIOD_MS@ / 1000
 LIMIT_RPM, LIMIT_AMPS, LIMIT_CELSIUS = @LIMIT_RPM@, @LIMIT_AMPS@, @LIMIT_CELSIUS@
 
-# Motor ID, and its loop: 1 current, 2 velocity, 3 position.
+# Motor ID, its loop (1 current, 2 velocity, 3 position), and -1 if it is mounted mirrored: its speed and its current
+# have the opposite sign on the wire.
 MOTORS = [
     # @MOTORS@
 ]
@@ -53,8 +54,8 @@ def crc8(data):
 class Motor:
     """A motor and what it last reported."""
 
-    def __init__(self, port, address, mode):
-        self.port, self.address, self.mode = port, address, mode
+    def __init__(self, port, address, mode, sign):
+        self.port, self.address, self.mode, self.sign = port, address, mode, sign
         self.missed, self.heard_s, self.over_since_s = 0, None, None
         self.rpm = self.amps = self.degrees = self.celsius = self.reported_mode = None
         self.faults = 0
@@ -99,9 +100,9 @@ class Motor:
         if brakes:
             return self.drive(0, 0, 0xFF)
         if self.mode == VELOCITY:
-            return self.drive(round(value), acceleration)
+            return self.drive(self.sign * round(value), acceleration)
         if self.mode == CURRENT:
-            return self.drive(round(value * 32767 / 8))
+            return self.drive(self.sign * round(value * 32767 / 8))
         return self.drive(round(value * 32767 / 360))
 
     def check(self, now_s):
@@ -241,7 +242,7 @@ def main():
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), end)
     with serial.Serial(arguments[0] if arguments else PORT, 115200, timeout=REPLY_S) as port:
-        motors = [Motor(port, address, mode) for address, mode in MOTORS]
+        motors = [Motor(port, *motor) for motor in MOTORS]
         failed = None
         try:
             for motor in motors:
