@@ -13,20 +13,36 @@ const CONTEXT_END: char = '\u{4}';
 /// Between two messages; no message holds it.
 const MESSAGE_END: &str = "\0";
 
-/// The folders and files whose texts load with their part: with the tools, or when it is asked for. A text that other files
-/// have too is not among them.
-const LATER: [&str; 11] = [
+/// The folders and files whose texts load with their part: behind the first paint, or when it is asked for. A text that
+/// other files have too is not among them.
+const LATER: [&str; 27] = [
+    "src/app/questions.rs",
+    "src/features/drive/current.rs",
+    "src/features/drive/open_loop.rs",
+    "src/features/drive/position.rs",
+    "src/features/experiments/",
+    "src/features/graph/",
+    "src/features/groups/pad_view.rs",
     "src/features/groups/panel.rs",
+    "src/features/help/tour_texts.rs",
     "src/features/ids/view.rs",
+    "src/features/install/texts.rs",
     "src/features/link_doctor/figures.rs",
     "src/features/link_doctor/markup.rs",
     "src/features/link_doctor/texts.rs",
+    "src/features/notices/",
+    "src/features/packet_log/",
     "src/features/raw/texts.rs",
     "src/features/raw/view.rs",
+    "src/features/recording/",
+    "src/features/rover/",
+    "src/features/saved_session/view.rs",
     "src/features/session/",
     "src/features/settings/panel.rs",
     "src/features/setup_link/",
     "src/features/wheel_setup/",
+    "src/model/setup/",
+    "src/model/setup_texts.rs",
 ];
 
 /// Every message with its translation, sorted by message.

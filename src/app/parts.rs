@@ -119,7 +119,10 @@ macro_rules! in_part {
 
 // In the order of `SECTIONS`.
 in_part!(desk: fn mount_desk(hosts, features) [
-    hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
+    {
+        load_later_texts();
+        hosts.mount(move || view! { <CurrentTab drive=features.drive /> })
+    },
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
     hosts.mount(move || view! { <OpenLoopTab drive=features.drive /> }),
     {

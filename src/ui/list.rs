@@ -22,6 +22,17 @@ pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &
     }
 }
 
+/// The position of the scroll bar, in whole pixels.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::unnecessary_cast,
+    reason = "a float cast saturates, and a part of a pixel is nothing to see; without the flag for \
+              Web Serial it is a whole number"
+)]
+pub(crate) fn scroll_px(scroller: &HtmlElement) -> i32 {
+    scroller.scroll_top() as i32
+}
+
 /// The value of the button that was clicked.
 pub(crate) fn clicked_value(event: &MouseEvent) -> Option<String> {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());

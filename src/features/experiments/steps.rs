@@ -15,7 +15,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
-        list::replace_keeping_focus,
+        list::{replace_keeping_focus, scroll_px},
         reactive::{dynamic, effect, handler},
     },
 };
@@ -114,13 +114,8 @@ pub(super) fn StepsTable(of: Experiments) -> impl IntoView {
     let on_scroll = move |_: Event| {
         let top = scroll
             .get_untracked()
-            .map_or(0.0, |scroll| scroll.scroll_top());
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a float cast saturates"
-        )]
-        let first = top as usize / ROW_PX;
+            .map_or(0, |scroll| scroll_px(&scroll));
+        let first = usize::try_from(top).unwrap_or(0) / ROW_PX;
         if scrolled.get_untracked() != first {
             scrolled.set(first);
         }

@@ -10,10 +10,10 @@ use web_sys::HtmlElement;
 use crate::{
     features::packet_log::{
         feed::{LogFeed, LogState},
-        painter::{height_of, scroll_px, width_of},
+        painter::{height_of, width_of},
     },
     model::page::Page,
-    ui::clock::page_now_ms,
+    ui::{clock::page_now_ms, list::scroll_px},
 };
 
 /// How long clearing can be undone.

@@ -8,7 +8,10 @@ use std::collections::VecDeque;
 
 use web_sys::HtmlElement;
 
-use crate::features::packet_log::{feed::LogFeed, slot::Slot, view::LogView};
+use crate::{
+    features::packet_log::{feed::LogFeed, slot::Slot, view::LogView},
+    ui::list::scroll_px,
+};
 
 /// The list's elements.
 pub(crate) struct Painter {
@@ -124,17 +127,6 @@ impl Painter {
             );
         }
     }
-}
-
-/// The position of the scroll bar, in whole pixels.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::unnecessary_cast,
-    reason = "a float cast saturates, and a part of a pixel is nothing to see; without the flag for \
-              Web Serial it is a whole number"
-)]
-pub(crate) fn scroll_px(scroller: &HtmlElement) -> i32 {
-    scroller.scroll_top() as i32
 }
 
 #[allow(
