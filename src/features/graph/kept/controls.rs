@@ -98,7 +98,7 @@ pub(crate) fn KeptRun(chart: Chart) -> impl IntoView {
             <span class="graph-kept-name">{dynamic(move || shown.name.get())}</span>
             <label>
                 <span>{tr!("Align at")}</span>
-                <select class="select" on:change=handler(choose)>
+                <select class="select" aria-label=tr!("Align at") on:change=handler(choose)>
                     {Align::ALL.map(option)}
                 </select>
             </label>
@@ -107,6 +107,7 @@ pub(crate) fn KeptRun(chart: Chart) -> impl IntoView {
                 <input
                     type="number"
                     class="graph-shift"
+                    aria-label=tr!("Shift")
                     step="10"
                     prop:value=dynamic(move || by_ms.get())
                     on:change=handler(shift)
