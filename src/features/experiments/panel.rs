@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// The id of the panel of all tabs.
-const PANEL: &str = "panel-experiments";
+const STUDY_PANEL: &str = "panel-experiments";
 
 fn name(tab: ExperimentTab) -> &'static str {
     match tab {
@@ -57,7 +57,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
             <div
                 class="experiment"
                 role="tabpanel"
-                id=PANEL
+                id=STUDY_PANEL
                 aria-labelledby=dynamic(chosen_tab)
                 class:sequence=dynamic(is_sequence)
                 hidden=dynamic(move || !has_study())
@@ -88,6 +88,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
             </div>
             <div
                 class="experiment-tab"
+                id=panel_id(ExperimentTab::Runs)
                 role="tabpanel"
                 aria-labelledby=tab_id(ExperimentTab::Runs.key())
                 hidden=dynamic(move || of.tab.get() != ExperimentTab::Runs)
@@ -96,6 +97,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
             </div>
             <div
                 class="experiment-tab"
+                id=panel_id(ExperimentTab::Code)
                 role="tabpanel"
                 aria-labelledby=tab_id(ExperimentTab::Code.key())
                 hidden=dynamic(move || of.tab.get() != ExperimentTab::Code)
@@ -103,6 +105,15 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
                 <CodeTab of />
             </div>
         </div>
+    }
+}
+
+/// The element that a tab shows. The studies share one.
+const fn panel_id(tab: ExperimentTab) -> &'static str {
+    match tab {
+        ExperimentTab::Runs => "panel-runs",
+        ExperimentTab::Code => "panel-code",
+        _ => STUDY_PANEL,
     }
 }
 
@@ -116,7 +127,7 @@ fn tab_button(of: Experiments, tab: ExperimentTab) -> impl IntoView {
             class="tab"
             class:working=dynamic(works)
             id=tab_id(tab.key())
-            aria-controls=PANEL
+            aria-controls=panel_id(tab)
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
             tabindex=dynamic(move || if selected() { "0" } else { "-1" })
             on:click=handler(move |_| of.tab.set(tab))

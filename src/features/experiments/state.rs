@@ -1,6 +1,6 @@
 //! What the panel knows: what is asked, what is armed, and the present run.
 
-use std::rc::Rc;
+use std::{ops::Deref, rc::Rc};
 
 use leptos::prelude::*;
 use motorlink_messages::{
@@ -121,9 +121,20 @@ pub(super) struct Armed {
     pub(super) options: Options,
 }
 
-/// The state of the panel. It stays through a change of language and while the panel is closed.
+/// The panel: a pointer to its state, which stays through a change of language and while the panel is closed.
 #[derive(Clone, Copy)]
-pub(crate) struct Experiments {
+pub(crate) struct Experiments(&'static State);
+
+impl Deref for Experiments {
+    type Target = State;
+
+    fn deref(&self) -> &State {
+        self.0
+    }
+}
+
+/// The state of the panel.
+pub(crate) struct State {
     pub(super) page: Page,
     pub(super) tab: RwSignal<ExperimentTab>,
     pub(super) draft: RwSignal<Draft>,
@@ -165,7 +176,7 @@ impl Experiments {
                 let studies = kinds
                     .filter(|kind| *kind != StudyKind::Sequence)
                     .map(|kind| Study::of(kind, motor));
-                let new = Self {
+                let new = Self(Box::leak(Box::new(State {
                     page,
                     tab: RwSignal::new(ExperimentTab::Sequence),
                     draft: RwSignal::new(Draft::of(&Template::BackAndForth.sequence())),
@@ -184,7 +195,7 @@ impl Experiments {
                     live_drawn: RwSignal::new(0),
                     fleet: memo(move || fleet(page)),
                     checked: RwSignal::new(None),
-                };
+                })));
                 effect(move || new.checked.set(new.plan()));
                 new.listen();
                 provide_context(new);
