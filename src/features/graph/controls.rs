@@ -78,6 +78,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                 <Window chart window=minute />
                 <Window chart window=five />
             </div>
+            <KeepButton chart />
             <div class="graph-buttons">
                 <PressButton
                     class="button small graph-pause"
@@ -97,7 +98,6 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     hint=tr!("The graph takes the place of the other panels.")
                     on_press=move || chart.expanded.update(|expanded| *expanded = !*expanded)
                 />
-                <KeepButton chart />
                 <PressButton
                     class="button small"
                     label="PNG"

@@ -35,7 +35,7 @@ pub(crate) fn KeepButton(chart: Chart) -> impl IntoView {
     };
     view! {
         <PressButton
-            class="button small"
+            class="button small graph-keep"
             label=tr!("Keep run")
             hint=tr!(
                 "Keeps the curves of this motor and draws them under the next run, of a motor or of a recording."
