@@ -173,7 +173,7 @@ fn state_words(of: Experiments) -> String {
     let passed = format::in_language(format!("{:.1} s", state.passed.as_secs_f64()));
     let longest = texts::duration(longest);
     match state.phase {
-        Phase::Armed { .. } => String::new(),
+        Phase::Armed { .. } => tr!("Armed. Read what will move, then press Run.").to_owned(),
         Phase::Running => tr!("Running: {passed} of at most {longest}", passed, longest),
         Phase::Paused => tr!("Paused at {passed} of at most {longest}", passed, longest),
         Phase::Ended(_) => tr!("Ended after {passed}", passed),
