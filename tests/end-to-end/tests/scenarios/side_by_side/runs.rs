@@ -2,7 +2,7 @@
 
 use std::{thread, time::Duration};
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use end_to_end::{Line, now_us};
 
 use crate::fixture::{Scenario, assert_quiet_console};
@@ -17,7 +17,11 @@ fn running(line: Line) -> Result<(Scenario, u64)> {
     scenario.stays_undriven(Duration::from_secs(1))?;
     let pressed = now_us();
     page.click("button", "Run")?;
-    page.wait_for_text("status", "Run", |text| text.contains("Running"))?;
+    let running = page.wait_for_text("status", "Run", |text| text.contains("Running"));
+    if running.is_err() {
+        let said = page.find("status", "Result of the run")?.text()?;
+        bail!("the run does not run: {said}");
+    }
     thread::sleep(Duration::from_secs(3));
     Ok((scenario, pressed))
 }
@@ -68,7 +72,11 @@ fn a_reloaded_page_ends_a_run_and_starts_none() -> Result<()> {
 fn pause_sends_zero_and_resume_goes_on() -> Result<()> {
     let (scenario, _) = running(Line::default())?;
     let page = &scenario.page;
-    page.click("button", "Pause")?;
+    // The graph has a button of this name too.
+    let of_run = |button: &end_to_end::Control| button.description.contains("angles are held");
+    let pauses = page.find_all("button", "Pause")?;
+    let pause = pauses.iter().find(|button| of_run(button));
+    pause.context("no Pause of the run")?.click()?;
     page.wait_for_text("status", "Run", |text| text.contains("Paused"))?;
     thread::sleep(Duration::from_millis(300));
     let paused = now_us();
