@@ -15,7 +15,7 @@ const MESSAGE_END: &str = "\0";
 
 /// The folders and files whose texts load with their part: behind the first paint, or when it is asked for. A text that
 /// other files have too is not among them.
-const LATER: [&str; 27] = [
+const LATER: [&str; 28] = [
     "src/app/questions.rs",
     "src/features/drive/current.rs",
     "src/features/drive/open_loop.rs",
@@ -25,6 +25,7 @@ const LATER: [&str; 27] = [
     "src/features/groups/pad_view.rs",
     "src/features/groups/panel.rs",
     "src/features/help/tour_texts.rs",
+    "src/features/ids/state.rs",
     "src/features/ids/view.rs",
     "src/features/install/texts.rs",
     "src/features/link_doctor/figures.rs",
