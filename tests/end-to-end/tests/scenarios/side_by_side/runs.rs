@@ -74,9 +74,9 @@ fn pause_sends_zero_and_resume_goes_on() -> Result<()> {
     let page = &scenario.page;
     // The graph has a button of this name too.
     let of_run = |button: &end_to_end::Control| button.description.contains("angles are held");
-    let pauses = page.find_all("button", "Pause")?;
-    let pause = pauses.iter().find(|button| of_run(button));
-    pause.context("no Pause of the run")?.click()?;
+    let named = page.find_all("button", "Pause")?;
+    let of_this_run = named.iter().find(|button| of_run(button));
+    of_this_run.context("no Pause of the run")?.click()?;
     page.wait_for_text("status", "Run", |text| text.contains("Paused"))?;
     thread::sleep(Duration::from_millis(300));
     let paused = now_us();
