@@ -1,7 +1,7 @@
 //! Copies a session file with other bookmarks. Everything else of the file stays as it is.
 //!
 //! A bookmark is an event in the channel `/events`, in the order of the monotonic clock. Only chunks that have one, or
-//! get one, are written anew; every other record of the data is copied byte by byte, unknown ones too. The overview is
+//! get one, are rewritten; every other record of the data is copied byte by byte, unknown ones too. The overview is
 //! replaced, because it has the bookmarks, and the summary, because it has the places of all records.
 //!
 //! | file | what it holds |
@@ -51,7 +51,7 @@ pub struct Copying {
     buffer_at: u64,
     /// End of a record that is copied in pieces.
     passing: Option<u64>,
-    /// Whether the indexes of the chunk before are left out: it was written anew.
+    /// Whether the indexes of the previous chunk are left out, because it was rewritten.
     skips_indexes: bool,
     /// Where the known chunks begin: behind damage the copy continues at the next one.
     chunks: Vec<u64>,
