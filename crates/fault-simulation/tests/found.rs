@@ -393,6 +393,33 @@ fn a_hold_without_replies_does_not_go_on() {
     }
 }
 
+/// Rule `HoldHolds`: a wheel whose frames ceased just before the hold coasted, and the rule took that for a drive.
+#[test]
+fn a_hold_that_the_port_refuses_may_coast() {
+    let slow = BusSettings {
+        rate: CommandRate::new(1).unwrap(),
+        ramp: None,
+        ..BusSettings::default()
+    };
+    for ms in (200..500).step_by(2) {
+        holds(
+            9707,
+            1,
+            vec![
+                pause(600),
+                Action::Command(Command::Configure(slow)),
+                switch(id(1), Mode::Position),
+                pause(1_500),
+                degrees(id(1), 170.0),
+                pause(ms),
+                Action::PortRefuses { frames: 37 },
+                Action::Command(Command::Hold(id(1))),
+                pause(1_000),
+            ],
+        );
+    }
+}
+
 /// Rule `NothingAboveALimit`: a frame to all with a value was taken for a question.
 #[test]
 fn a_raw_frame_to_all_is_under_the_speed_limit() {

@@ -181,14 +181,14 @@ impl Held {
     fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Result<bool, Violation> {
         let latest = self.began + HOLD_TAKES;
         let gone_deg = (motor.turns() - self.from_turns) * 360.0 * self.direction;
-        let is_asked = motor
-            .obeyed()
-            .is_some_and(|(received, _)| received <= latest);
-        if motor.obeyed().is_none() && now > latest {
+        let obeyed = motor.obeyed();
+        if obeyed.is_none() && now > latest {
             // No frame has reached it for longer than it obeys one: it coasts, and its direction
             // after a return is random.
             return Ok(false);
         }
+        // Without a frame it coasts: its frames ceased before the hold.
+        let is_asked = obeyed.is_none_or(|(received, _)| received <= latest);
         if is_asked || self.was_asked {
             let speed_deg_s = deg_s(motor) * self.direction;
             let on_deg = turns_round_deg(speed_deg_s);
