@@ -28,11 +28,28 @@ impl Page {
     ///
     /// When it does not answer.
     pub fn memory(&self) -> Result<Memory> {
-        // Looking for controls makes the browser build an accessibility tree that only grows. Disabling the domain
-        // frees it, but only if it was enabled explicitly.
+        self.drop_accessibility_tree()?;
+        let call = &mut |method, params: &Value| self.session.call(method, params.clone());
+        // In a page with the app, Chromium 156 never answers the search for its memories.
+        let sum = json!({ "expression": "wasmBytes()" });
+        let wasm = call("Runtime.evaluate", &sum)?;
+        Ok(Memory {
+            script: script_bytes(call)?,
+            wasm: whole(at(&wasm, "/result/value").as_f64().context("no sum")?),
+        })
+    }
+
+    /// Drops the accessibility tree. The browser builds it when a control is looked for; then it only grows, and every
+    /// change of the page costs more.
+    ///
+    /// # Errors
+    ///
+    /// When the browser does not answer.
+    pub fn drop_accessibility_tree(&self) -> Result<()> {
+        // Disabling the domain frees it, but only if it was enabled explicitly.
         self.session.call("Accessibility.enable", json!({}))?;
         self.session.call("Accessibility.disable", json!({}))?;
-        memory(&mut |method, params| self.session.call(method, params.clone()))
+        Ok(())
     }
 
     /// The memory of the worker of this name.
@@ -96,7 +113,11 @@ impl<'a> Worker<'a> {
         if at(&own, "/result/value") != name {
             return Ok(None);
         }
-        memory(&mut |method, params| self.call(method, params)).map(Some)
+        let call = &mut |method, params: &Value| self.call(method, params);
+        Ok(Some(Memory {
+            script: script_bytes(call)?,
+            wasm: wasm_bytes(call)?,
+        }))
     }
 
     fn call(&mut self, method: &'static str, params: &Value) -> Result<Value> {
@@ -116,16 +137,29 @@ impl<'a> Worker<'a> {
 /// Calls a method of the protocol in a page or a worker.
 type Call<'a> = dyn FnMut(&'static str, &Value) -> Result<Value> + 'a;
 
-fn memory(call: &mut Call) -> Result<Memory> {
+fn script_bytes(call: &mut Call) -> Result<u64> {
     call("HeapProfiler.collectGarbage", &json!({}))?;
     let heap = call("Runtime.getHeapUsage", &json!({}))?;
     let bytes = |part: &str| at(&heap, part).as_f64().unwrap_or(0.0);
-    let script = bytes("/usedSize") + bytes("/embedderHeapUsedSize") + bytes("/backingStorageSize");
-    Ok(Memory {
-        script: whole(script),
-        wasm: wasm_bytes(call)?,
-    })
+    Ok(whole(
+        bytes("/usedSize") + bytes("/embedderHeapUsedSize") + bytes("/backingStorageSize"),
+    ))
 }
+
+/// Runs before the scripts of a page, and notes the linear memories of its programs.
+pub(crate) const NOTE_MEMORIES: &str = "{
+    const memories = [];
+    const noted = (result) => {
+        const { memory } = (result.instance ?? result).exports;
+        if (memory && !memories.includes(memory)) memories.push(memory);
+        return result;
+    };
+    for (const name of ['instantiate', 'instantiateStreaming']) {
+        const real = WebAssembly[name];
+        WebAssembly[name] = (...given) => real.apply(WebAssembly, given).then(noted);
+    }
+    globalThis.wasmBytes = () => memories.reduce((sum, memory) => sum + memory.buffer.byteLength, 0);
+}";
 
 /// The size of linear memories. The browser's statistics do not include them, but it finds them as objects.
 fn wasm_bytes(call: &mut Call) -> Result<u64> {

@@ -10,6 +10,7 @@ use crate::cdp::{Session, at};
 use crate::console::Console;
 use crate::control::{self, Control};
 use crate::keyboard::Key;
+use crate::memory::NOTE_MEMORIES;
 use crate::stopwatch::{self, KeyPress};
 use crate::wait::{WAIT_MAX, wait_until};
 
@@ -76,6 +77,7 @@ impl Page {
             .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
+        page.before_load(NOTE_MEMORIES)?;
         page.go_within(wait_max, url)?;
         Ok(page)
     }

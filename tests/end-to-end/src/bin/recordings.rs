@@ -5,7 +5,7 @@ use std::{env, path::PathBuf, process::ExitCode, thread, time::Duration};
 
 use anyhow::{Context, Result};
 use end_to_end::{
-    Bench, Memory, Page,
+    Bench, Memory, Page, View,
     figures::{Table, percentile, ratio, row},
 };
 use serde::Deserialize;
@@ -49,6 +49,7 @@ fn measure() -> Result<()> {
     let table = Table::begin()?;
     let bench = Bench::start()?;
     let page = bench.open("/")?;
+    page.look(View::DESKTOP)?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.click("button", "Session file")?;
     page.find("button", "Open session")?;
@@ -74,6 +75,7 @@ fn measure() -> Result<()> {
     page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
     // What is loaded for the first time is not a part of a jump.
     thread::sleep(Duration::from_secs(2));
+    page.drop_accessibility_tree()?;
     jumps(&page)?;
     scrub(&page)?;
     // The other figures hold without it.
@@ -107,6 +109,7 @@ fn jumps(page: &Page) -> Result<()> {
         let some = page.evaluate(&format!("recordings.jumps({places})"))?;
         times.extend(serde_json::from_value::<Vec<f64>>(some)?);
     }
+    let first = *times.first().context("no jump")?;
     times.sort_by(f64::total_cmp);
     let at = |percent| percentile(&times, percent).context("no jump");
     let (median, most, worst) = (at(50)?, at(95)?, at(100)?);
@@ -114,7 +117,7 @@ fn jumps(page: &Page) -> Result<()> {
         &format!("{HOUR}: a jump anywhere, from the slider to the drawn frame"),
         "at most 50 ms",
         format!(
-            "median {median:.0} ms, 95 of 100 at most {most:.0} ms, worst {worst:.0} ms of {JUMPS}"
+            "median {median:.0} ms, 95 of 100 at most {most:.0} ms, worst {worst:.0} ms of {JUMPS}, the first {first:.0} ms"
         ),
         worst <= 50.0,
     );
