@@ -120,6 +120,18 @@ fn a_step_between_two_ticks_is_sent_at_its_own_time() {
 }
 
 #[test]
+fn a_loop_ends_by_a_speed_that_its_last_step_has_reached() {
+    let steps = r#"{ "repeat": 100, "until": { "rpm_above": 50 },
+                     "steps": [{ "rpm": 60, "for_s": 1 }] }"#;
+    let mut bench = Bench::armed(Model::Ddsm115, 1, steps, Options::default());
+    bench.start();
+    bench.run(ms(3_000));
+    let phase = bench.phase();
+    let finished = matches!(phase, Some(Phase::Ended(End::Finished { .. })));
+    assert!(finished, "{phase:?}");
+}
+
+#[test]
 fn the_settings_of_the_person_are_in_force_again_after_the_run() {
     let own = BusSettings {
         rate: CommandRate::new(25).unwrap(),

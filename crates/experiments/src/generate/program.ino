@@ -17,6 +17,7 @@ const uint32_t PERIOD_MS = @PERIOD_MS@;
 // A limit of -1 is none.
 const double LIMIT_RPM = @LIMIT_RPM@, LIMIT_AMPS = @LIMIT_AMPS@, LIMIT_CELSIUS = @LIMIT_CELSIUS@;
 const uint32_t REPLY_MS = 20, OVER_CURRENT_MS = 500, STOP_MS = 3000;
+const double FRESH_S = 0.5;
 const int MISSED_MAX = 10, DEPTH_MAX = 8;
 
 enum { CURRENT = 1, VELOCITY = 2, POSITION = 3 };
@@ -233,8 +234,9 @@ void run() {
       continue;
     }
     if (row.kind == 2) {
+      // The last step of the pass has just ended: no reply is newer than its end.
       bool over = false;
-      for (int m = 0; row.condition && m < COUNT; m++) over = over || holds(m, row, began_s);
+      for (int m = 0; row.condition && m < COUNT; m++) over = over || holds(m, row, seconds_now() - FRESH_S);
       uint32_t left = --passes[depth - 1];
       if (left > 0 && !over) at = row.number;
       else depth--;

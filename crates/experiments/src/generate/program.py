@@ -34,6 +34,7 @@ CURRENT, VELOCITY, POSITION = 1, 2, 3
 REPLY_S = 0.02
 MISSED_MAX = 10
 OVER_CURRENT_S = 0.5
+FRESH_S = 0.5
 STOP_S = 3.0
 
 
@@ -172,7 +173,8 @@ def run(motors):
             at += 1
             continue
         if kind == 2:
-            over = condition and any(m.holds(condition, bound, tolerance, since_s) for m in motors)
+            # The last step of the pass has just ended: no reply is newer than its end.
+            over = condition and any(m.holds(condition, bound, tolerance, time.monotonic() - FRESH_S) for m in motors)
             left = passes.pop() - 1
             if left > 0 and not over:
                 passes.append(left)

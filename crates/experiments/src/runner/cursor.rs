@@ -5,6 +5,7 @@ use std::time::Duration;
 use motorlink_protocol::{Instant, OpenLoopTarget, Setpoint};
 
 use super::{
+    FRESH_FOR,
     record::Mark,
     watch::{Watch, neutral, setpoint_of},
 };
@@ -82,7 +83,8 @@ impl Cursor {
                     self.op += 1;
                 }
                 Op::Again { first, until } => {
-                    let since = base + Duration::from_secs_f64(self.began_s);
+                    // The last step of the pass has just ended, so no reply is newer than its end.
+                    let since = base + passed - FRESH_FOR;
                     let mut motors = 0..plan.motors.len();
                     let is_over = until
                         .is_some_and(|until| motors.any(|motor| watch.holds(motor, until, since)));
