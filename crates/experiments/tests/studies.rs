@@ -5,11 +5,13 @@ mod analytic_systems;
 mod bench;
 mod measured;
 
+use std::time::Duration;
+
 use analytic_systems::{VelocityLoop, exact_figures};
 use bench::{Bench, ONE};
 use measured::{DRY, HEATING_S, INERTIA, VISCOUS};
 use motorlink_experiments::{
-    analysis::Spread,
+    analysis::{Invalid, Spread},
     plan::Fleet,
     runner::End,
     sequence::{Quantity, Selection, Sequence, Step},
@@ -77,6 +79,25 @@ fn a_frequency_study_marks_what_it_cannot_measure() {
             "{point:?}"
         );
     }
+}
+
+#[test]
+fn a_line_that_carries_fewer_requests_than_wished_loses_no_reply() {
+    let study = Study::Frequency(FrequencyStudy::of(ONE));
+    let mut bench = Bench::new(4, MotorConfig::default());
+    bench.run_sequence(&study.sequence());
+    let wished = Measured {
+        request_hz: 500.0,
+        ..Measured::default()
+    };
+    let Findings::Frequency(found) = study.evaluate(&bench.record, &wished) else {
+        panic!("not a frequency response");
+    };
+    let lost = found
+        .points
+        .iter()
+        .filter(|point| point.invalid == Some(Invalid::RepliesLost));
+    assert_eq!(lost.count(), 0);
 }
 
 #[test]
@@ -175,6 +196,36 @@ fn a_heating_study_ends_at_its_temperature_and_finds_the_time_constant() {
     assert!(matches!(bench.record.end(), Some(End::Finished { .. })));
     let hottest = short.celsius.iter().map(|it| it.value).fold(0.0, f64::max);
     assert!((44.0..=47.0).contains(&hottest), "{hottest}");
+}
+
+#[test]
+fn a_paused_study_does_not_take_the_pause_for_what_it_measures() {
+    let paused = |kind, after_s: f64, motor: MotorConfig| {
+        let mut bench = Bench::new(1, motor);
+        bench.pauses_after = Some(Duration::from_secs_f64(after_s));
+        run(&Study::of(kind, ONE), &mut bench)
+    };
+    let whole = coast_down(1, 0.0);
+    let inertia = |found: &CoastDownFindings| found.inertia.unwrap().inertia_kg_m2.value;
+    // In the middle of the first push.
+    let Findings::CoastDown(found) = paused(StudyKind::CoastDown, 0.15, MotorConfig::default())
+    else {
+        panic!("not a coast-down");
+    };
+    let off = inertia(&found) / inertia(&whole) - 1.0;
+    assert!(off.abs() < 0.05, "{off}");
+    let loaded = |load_nm| MotorConfig {
+        load_nm,
+        ..MotorConfig::default()
+    };
+    let Findings::Heating(found) = paused(StudyKind::Heating, 100.5, loaded(1.0)) else {
+        panic!("not heating");
+    };
+    assert!(found.heating.is_none());
+    let Findings::TorqueSpeed(found) = paused(StudyKind::TorqueSpeed, 5.0, loaded(0.3)) else {
+        panic!("not torque and speed");
+    };
+    assert!(found.points.is_empty());
 }
 
 #[test]

@@ -145,11 +145,16 @@ fn by_spread(coast: CoastDown, coasts: &[&[Point]]) -> CoastDown {
 
 /// The torque is that of the current on the wire, which has steps of 0.24 mA.
 fn push_of(trace: &Trace, span: Span) -> Option<Push<'_>> {
-    let mut command = trace.command.iter();
-    let sent = command.find(|point| point.t_s >= span.from_s && point.t_s < span.to_s)?;
+    let command = trace.command.iter();
+    let mut sent = command.filter(|point| point.t_s >= span.from_s && point.t_s < span.to_s);
+    let first = sent.next()?;
+    // Paused, it coasts.
+    if sent.any(|later| later.value != first.value) {
+        return None;
+    }
     Some(Push {
-        torque_nm: sent.value * TORQUE_NM_PER_A,
-        speed: Trace::between(&trace.rpm, sent.t_s + PUSH_SETTLE_S, span.to_s),
+        torque_nm: first.value * TORQUE_NM_PER_A,
+        speed: Trace::between(&trace.rpm, first.t_s + PUSH_SETTLE_S, span.to_s),
     })
 }
 

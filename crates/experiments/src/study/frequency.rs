@@ -160,6 +160,10 @@ impl FrequencyStudy {
                 found.left_out += 1;
                 continue;
             }
+            // The line can carry fewer requests than were wished for.
+            let sent = Trace::between(&trace.command, span.from_s, span.to_s).len();
+            let sent = f64::from(u32::try_from(sent).unwrap_or(u32::MAX));
+            let sent_hz = sent / (span.to_s - span.from_s).max(f64::EPSILON);
             found.points.push(frequency_point(&SineRun {
                 hz: wave.hz,
                 from_s: span.from_s + SETTLE_S,
@@ -168,7 +172,7 @@ impl FrequencyStudy {
                 response: &trace.rpm,
                 amps: &trace.amps,
                 amps_max: measured.amps_max,
-                request_hz: measured.request_hz,
+                request_hz: measured.request_hz.min(sent_hz),
                 resolution: 1.0,
             }));
         }

@@ -2,7 +2,10 @@
 
 use motorlink_protocol::MotorId;
 
-use super::{Parameter, spans::follow};
+use super::{
+    Parameter,
+    spans::{follow, spans},
+};
 use crate::{
     analysis::{Heating, Point, Trace, heating},
     runner::Record,
@@ -86,8 +89,10 @@ impl HeatingStudy {
         let trace = Trace::of(record, self.motor);
         let count = f64::from(u32::try_from(trace.amps.len()).unwrap_or(u32::MAX));
         let sum: f64 = trace.amps.iter().map(|point| point.value.abs()).sum();
+        // A pause cools the winding, and no later value belongs to the same curve.
+        let was_paused = spans(record).iter().any(|span| span.was_paused(PASS_S));
         HeatingFindings {
-            heating: heating(&trace.celsius),
+            heating: heating(&trace.celsius).filter(|_| !was_paused),
             celsius: trace.celsius,
             amps: (count > 0.0).then(|| sum / count),
         }

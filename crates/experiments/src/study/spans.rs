@@ -24,6 +24,11 @@ impl Span {
     pub(super) fn lasted(self, seconds: f64) -> bool {
         (self.to_s - self.from_s - seconds).abs() <= LATE_MAX_S
     }
+
+    /// Whether a step of this length took longer: it was paused.
+    pub(super) fn was_paused(self, seconds: f64) -> bool {
+        self.to_s - self.from_s > seconds + LATE_MAX_S
+    }
 }
 
 /// The steps of a run in order of time.

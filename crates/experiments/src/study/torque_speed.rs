@@ -69,7 +69,9 @@ impl TorqueSpeedStudy {
 
     pub(super) fn evaluate(&self, record: &Record) -> TorqueSpeedFindings {
         let trace = Trace::of(record, self.motor);
-        let loaded = spans(record).into_iter().filter(|span| span.step == 1);
+        let loaded = spans(record)
+            .into_iter()
+            .filter(|span| span.step == 1 && !span.was_paused(self.for_s));
         let mut replies: Vec<(f64, f64)> = Vec::new();
         for span in loaded {
             let rpm = Trace::between(&trace.rpm, span.from_s, span.to_s);

@@ -16,12 +16,15 @@ pub const ONE: MotorId = MotorId::FIRST;
 
 /// How often the temperature is asked for, in place of a setpoint.
 const QUERY_EVERY: Duration = Duration::from_secs(1);
+const PAUSE: Duration = Duration::from_secs(5);
 
 pub struct Bench {
     pub world: World,
     now: Instant,
     random: fastrand::Rng,
     expect: Option<Layout>,
+    /// Each run is paused this long after its start, for five seconds.
+    pub pauses_after: Option<Duration>,
     /// The record of the last run.
     pub record: Record,
 }
@@ -45,6 +48,7 @@ impl Bench {
             now,
             random: fastrand::Rng::with_seed(seed),
             expect: None,
+            pauses_after: None,
             record: Record::default(),
         }
     }
@@ -65,7 +69,15 @@ impl Bench {
             self.wait(&mut runner, self.now + Duration::from_millis(5));
         }
         let mut query_at = self.now;
+        let pause_at = self.pauses_after.map(|after| self.now + after);
+        let resume_at = pause_at.map(|at| at + PAUSE);
         loop {
+            let is_due = |at: Option<Instant>| at.is_some_and(|at| at <= self.now);
+            if is_due(resume_at) {
+                runner.resume(self.now);
+            } else if is_due(pause_at) {
+                runner.pause(self.now);
+            }
             match runner.tick(self.now) {
                 Tick::Drive { setpoints, next } => {
                     for (id, setpoint) in setpoints {
