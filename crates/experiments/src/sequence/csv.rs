@@ -61,7 +61,18 @@ pub fn from_csv(text: &str) -> Result<Sequence, SequenceError> {
         if before.is_some_and(|before| time <= before) {
             return Err(at(line, 1, Problem::TimeFalls));
         }
-        // The previous row lasts until this one. The last row is sent, and then the run ends.
+        // The run begins with the first row.
+        if before.is_none() && time > 0.0 {
+            let problem = Problem::Above {
+                value: time,
+                max: 0.0,
+            };
+            return Err(at(line, 1, problem));
+        }
+        // The previous row lasts until this one. The last row only ends the row before it.
+        if before.is_some() && steps.is_empty() {
+            return Err(at(2, 2, Problem::Expected("a value in the first row")));
+        }
         lengthen(&mut steps, time - before.unwrap_or(time));
         before = Some(time);
         for (place, (value, column)) in values.iter().zip(&columns).enumerate() {
