@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use motorlink::Preferences;
 use motorlink_messages::{
     ToPage, ToWorker,
     bus::Command,
@@ -17,7 +18,10 @@ use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, EventInit, HtmlInputElement};
 
-use crate::bench::{Bench, now, pause, press, text_of};
+use crate::{
+    bench::{Bench, now, pause, press, text_of},
+    limits::leave,
+};
 
 async fn panel(name: &str, mode: Mode) -> Bench {
     let bench = Bench::with_motor(name, mode).await;
@@ -129,6 +133,12 @@ async fn arming_shows_what_will_move_and_only_run_starts_it() {
         .until("Resume", || !bench.find_all("button", "Resume").is_empty())
         .await;
     bench.click("Resume");
+    assert!(
+        told(&bench).await.is_empty(),
+        "the second click of a double click on Pause"
+    );
+    pause(700).await;
+    bench.click("Resume");
     assert_eq!(told(&bench).await, [ToRun::Resume]);
     let (cause, at) = (Cause::Stopped, now());
     say(
@@ -181,6 +191,40 @@ async fn a_changed_question_disarms_and_a_refusal_is_said() {
     say(&bench, &armed(number.wrapping_sub(1)));
     pause(100).await;
     assert!(is_disabled(&bench, "Run"));
+}
+
+#[wasm_bindgen_test]
+async fn another_limit_disarms_because_the_summary_names_it() {
+    let bench = panel("experiments-limit", Mode::Velocity).await;
+    let (number, _) = arm(&bench).await;
+    say(&bench, &armed(number));
+    bench.until("Run", || !is_disabled(&bench, "Run")).await;
+    bench.open("Settings").await;
+    leave(&bench.enter("Speed limit", "200"));
+    assert!(told(&bench).await.contains(&ToRun::Abort));
+    Preferences::default().save();
+}
+
+#[wasm_bindgen_test]
+async fn a_field_that_is_no_number_cannot_be_armed_with_the_number_before() {
+    let bench = panel("experiments-field", Mode::Velocity).await;
+    bench.find("tab", "Step response").click();
+    let is_shown = || !bench.find_all("spinbutton", "Hold").is_empty();
+    bench.until("the field", is_shown).await;
+    bench.until("Arm", || !is_disabled(&bench, "Arm")).await;
+    bench.enter("Hold", "5o");
+    bench
+        .until("the block", || is_disabled(&bench, "Arm"))
+        .await;
+    let shown = text_of(&bench.find("region", "Experiments"));
+    assert!(shown.contains("Hold: enter a number."), "{shown}");
+    bench.find("tab", "Frequency response").click();
+    let is_other = || !bench.find_all("spinbutton", "Points").is_empty();
+    bench.until("the other tab", is_other).await;
+    bench.find("tab", "Step response").click();
+    bench
+        .until("Arm with the shown number", || !is_disabled(&bench, "Arm"))
+        .await;
 }
 
 #[wasm_bindgen_test]

@@ -14,7 +14,7 @@ use crate::{
     tools::report,
 };
 
-fn leave(field: &web_sys::HtmlInputElement) {
+pub fn leave(field: &web_sys::HtmlInputElement) {
     let blur: Event = FocusEvent::new("blur").unwrap().into();
     field.dispatch_event(&blur).unwrap();
 }

@@ -50,7 +50,11 @@ impl Runs {
         let counted = match end {
             End::Finished { .. } => &mut self.finished,
             End::Aborted { cause, .. } => match cause {
-                Cause::Stopped | Cause::Driven(_) => &mut self.by_person,
+                Cause::Stopped
+                | Cause::Driven(_)
+                | Cause::PortClosed
+                | Cause::Scan
+                | Cause::OtherModel => &mut self.by_person,
                 Cause::Silent(_) | Cause::Fault(..) | Cause::Limit(..) | Cause::OtherLoop(..) => {
                     &mut self.by_motor
                 }
@@ -62,7 +66,8 @@ impl Runs {
                 | Cause::PageSilent
                 | Cause::FocusLost
                 | Cause::Slept
-                | Cause::Late => &mut self.by_machine,
+                | Cause::Late
+                | Cause::ProgramFailed => &mut self.by_machine,
             },
         };
         *counted += 1;

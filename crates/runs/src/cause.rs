@@ -14,7 +14,7 @@ pub(crate) fn cause(input: &Input, first: MotorId) -> Option<Cause> {
         Input::Driven(id) => Cause::Driven(id.unwrap_or(first)),
         Input::Refused(refusal) => refused(*refusal, first),
         Input::Unplugged => Cause::Unplugged,
-        Input::Closed => Cause::Stopped,
+        Input::Closed => Cause::PortClosed,
         Input::Tick | Input::Telemetry(_) | Input::Sent { .. } | Input::Message { .. } => {
             return None;
         }
@@ -37,11 +37,10 @@ const fn stopped(reason: StopReason) -> Cause {
         StopReason::PageHidden => Cause::FocusLost,
         StopReason::ComputerSlept => Cause::Slept,
         StopReason::LoopDelayed => Cause::Late,
-        StopReason::Operator
-        | StopReason::Disconnect
-        | StopReason::Job
-        | StopReason::OneMotor
-        | StopReason::OtherModel => Cause::Stopped,
+        StopReason::Disconnect => Cause::PortClosed,
+        StopReason::Job => Cause::Scan,
+        StopReason::OtherModel => Cause::OtherModel,
+        StopReason::Operator | StopReason::OneMotor => Cause::Stopped,
     }
 }
 

@@ -83,7 +83,7 @@ const ABORTS: [Abort; 15] = [
     abort(
         "scan",
         |it| it.command(Command::FullScan),
-        |cause| cause == Cause::Stopped,
+        |cause| cause == Cause::Scan,
         true,
     ),
     abort(

@@ -1,6 +1,6 @@
-//! What the buttons do, and the messages of the run.
+//! What the buttons do.
 //!
-//! [`Experiments::start`] and [`Experiments::resume`] are the only functions here that start motion. Only the buttons
+//! [`Experiments::start`] and [`Experiments::pause_or_resume`] are the only functions here that start motion. Only the buttons
 //! `Run` and `Resume` call them.
 
 use std::{rc::Rc, time::Duration};
@@ -10,41 +10,39 @@ use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker,
     bus::Command,
-    decode, encode,
+    encode,
     experiments::{
-        runner::{Cause, End, Options, Phase, RecordPart},
+        runner::{Options, Phase},
+        sequence::RunLimits,
         study::{Study, StudyKind},
     },
-    protocol::{Instant, Mode, MotorId},
-    runs::{FromRun, RunState, ToRun},
+    protocol::{Mode, MotorId},
+    runs::ToRun,
 };
 
 use crate::{
     features::experiments::{
-        chart::Live,
-        kept::NewRun,
         state::{Armed, Experiments, Shown},
         table, texts,
     },
-    model::{guards::drive_blocked_by, runs, snapshot::Session},
+    model::{guards::drive_blocked_by, snapshot::Session},
     ui::{
-        clock::{act_ms, page_now_ms, page_origin_ms},
+        clock::{act_ms, page_now_ms},
         listener::on_window,
         reactive::effect,
     },
 };
 
+/// How long after Pause the same button resumes.
+const RESUME_AFTER_MS: f64 = 600.0;
+
 impl Experiments {
     /// Gets the messages of the run, and reports a lost focus to it.
     pub(super) fn listen(self) {
-        runs::set_receiver(Rc::new(move |message| {
-            if let Ok(message) = decode(message) {
-                self.receive(message);
-            }
-        }));
+        self.receive_messages();
+        // While armed too: Run may have been pressed just before.
         let lost = move || {
-            let shown = self.shown.try_get_untracked();
-            if shown.is_some_and(Shown::is_driving) {
+            if self.shown.try_get_untracked().is_some_and(Shown::is_open) {
                 self.post(&ToRun::FocusLost);
             }
         };
@@ -62,16 +60,22 @@ impl Experiments {
                     return false;
                 };
                 let settings = self.options();
+                let limits = self.limits(plan.limits());
                 self.armed.with_untracked(|armed| {
                     armed.as_ref().is_some_and(|armed| {
-                        armed.study == *study && armed.plan == *plan && armed.options == settings
+                        armed.study == *study
+                            && armed.plan == *plan
+                            && armed.options == settings
+                            && armed.limits == limits
                     })
                 })
             });
             if !is_same && self.is_armed() {
                 self.abort();
-                self.said
-                    .set(tr!("Disarmed: the question has changed. Press Arm again.").to_owned());
+                self.said.set(
+                    tr!("Disarmed: another tab is open, or a value has changed. Press Arm again.")
+                        .to_owned(),
+                );
             }
         });
     }
@@ -99,10 +103,26 @@ impl Experiments {
         }
     }
 
+    /// The lower of the limits of the page and of a sequence.
+    pub(super) fn limits(self, own: RunLimits) -> RunLimits {
+        let of_page = self.page.settings;
+        let lower =
+            |own: Option<f64>, of_page: f64| Some(own.map_or(of_page, |own| own.min(of_page)));
+        RunLimits {
+            rpm: lower(own.rpm, of_page.speed_limit.get().into()),
+            amps: lower(own.amps, f64::from(of_page.current_limit.get()) / 1000.0),
+            celsius: lower(own.celsius, of_page.temperature_limit.get().into()),
+        }
+    }
+
     /// Why the run cannot be armed, and the switch of a loop that would help.
     pub(super) fn blocked_by(self) -> Option<(String, Option<(MotorId, Mode)>)> {
         if self.shown.get().is_driving() {
             return Some((tr!("A run is running. Abort it first.").to_owned(), None));
+        }
+        let wrong = self.wrong_fields.with(|wrong| wrong.first().copied());
+        if let Some(field) = wrong {
+            return Some((tr!("{field}: enter a number.", field), None));
         }
         let plan = self.checked.with(|checked| match checked {
             Some(Ok((_, plan))) => Ok(plan.motors().to_vec()),
@@ -157,6 +177,7 @@ impl Experiments {
         self.armed.set(Some(Rc::new(Armed {
             run,
             study,
+            limits: untrack(|| self.limits(plan.limits())),
             plan,
             options,
         })));
@@ -182,8 +203,14 @@ impl Experiments {
     /// Pauses the run, or resumes it.
     pub(super) fn pause_or_resume(self) {
         match self.shown.get_untracked().phase() {
-            Some(Phase::Running) => self.post(&ToRun::Pause),
-            Some(Phase::Paused) => {
+            Some(Phase::Running) => {
+                self.paused_ms.set_value(page_now_ms());
+                self.post(&ToRun::Pause);
+            }
+            // The button is the same. The second click of a double click must not start motion.
+            Some(Phase::Paused)
+                if page_now_ms() - self.paused_ms.get_value() >= RESUME_AFTER_MS =>
+            {
                 self.page.worker.started_ms.set_value(page_now_ms());
                 self.post(&ToRun::Resume);
             }
@@ -203,127 +230,6 @@ impl Experiments {
     /// Switches a motor to the loop that the run needs. It starts no motion.
     pub(super) fn switch(self, id: MotorId, mode: Mode) {
         self.page.command(Command::SwitchMode { id, mode });
-    }
-
-    fn receive(self, message: FromRun) {
-        let run = self.run.get_value();
-        match message {
-            FromRun::State(state) if state.run == run => self.take_state(state),
-            FromRun::NotArmed { run: of, reason } if of == run => {
-                self.shown.set(Shown::Idle);
-                self.armed.set(None);
-                self.said.set(texts::not_armed(&reason));
-            }
-            FromRun::NotStarted(why) => self.said.set(texts::not_started(why)),
-            FromRun::Part { run: of, part } if of == run => self.take_part(part),
-            FromRun::Died => self.died(),
-            // Of a run that was replaced.
-            FromRun::State(_) | FromRun::NotArmed { .. } | FromRun::Part { .. } => {}
-        }
-    }
-
-    fn take_state(self, state: RunState) {
-        let Some(armed) = self
-            .armed
-            .get_untracked()
-            .filter(|armed| armed.run == state.run)
-        else {
-            return;
-        };
-        let before = self.shown.get_untracked().phase();
-        let has_ended = matches!(before, Some(Phase::Ended(_)));
-        if let Some(began) = state.began
-            && !has_ended
-            && self.live.with_value(|live| live.began_at() != Some(began))
-        {
-            self.begin(&armed, began);
-        }
-        self.shown.set(Shown::Reported(state));
-        if let Phase::Ended(end) = state.phase
-            && !has_ended
-        {
-            self.finish(&armed, end, state.began.is_some());
-        }
-    }
-
-    fn begin(self, armed: &Armed, began: Instant) {
-        let mut live = Live::of(&armed.plan);
-        live.began(began);
-        self.live.set_value(live);
-        let study = armed.study.clone();
-        let name = match &study {
-            Study::Sequence(sequence) if !sequence.name.is_empty() => sequence.name.clone(),
-            other => texts::study(other.kind()).to_owned(),
-        };
-        let ids = armed.plan.motors().iter().map(|motor| motor.id);
-        let motors = self.page.motors.names.with_untracked(|names| {
-            let name = |id| names.member(id).map(|member| member.name().to_owned());
-            ids.map(|id| (id, name(id).unwrap_or_default())).collect()
-        });
-        let passed = self.page.now().since(began).as_secs_f64() * 1_000.0;
-        let kind = study.kind();
-        self.last.update(|last| {
-            last.retain(|(other, _)| *other != kind);
-            last.push((kind, armed.run));
-        });
-        self.kept.begin(NewRun {
-            number: armed.run,
-            study,
-            name,
-            motors,
-            model: self.page.model.get_untracked().spec().name.to_owned(),
-            setup: self.page.setup().to_json(),
-            request_hz: 1.0 / armed.options.period.as_secs_f64().max(0.001),
-            began_unix_ms: page_origin_ms() + page_now_ms() - passed,
-            began,
-        });
-    }
-
-    fn take_part(self, part: RecordPart) {
-        self.live.update_value(|live| {
-            for sample in &part.samples {
-                live.add(sample);
-            }
-        });
-        self.kept.add_part(self.run.get_value(), part);
-        self.live_drawn
-            .update(|drawn| *drawn = drawn.wrapping_add(1));
-    }
-
-    fn finish(self, armed: &Armed, end: End, has_begun: bool) {
-        let row = match end {
-            End::Aborted {
-                cause: Cause::WaitTimedOut { step },
-                ..
-            } => self.row_of(armed.plan.place(step)),
-            _ => None,
-        };
-        self.said.set(texts::end(end, row));
-        if has_begun {
-            self.kept.end(armed.run, end);
-        }
-    }
-
-    /// The program of the runs has failed, and the worker has stopped its motors.
-    fn died(self) {
-        let state = self.shown.get_untracked();
-        let armed = self.armed.get_untracked();
-        if let (Some(armed), Shown::Reported(state)) = (armed, state)
-            && state.began.is_some()
-            && !matches!(state.phase, Phase::Ended(_))
-        {
-            let end = End::Aborted {
-                cause: Cause::Late,
-                at: state.now,
-            };
-            self.finish(&armed, end, true);
-        }
-        self.shown.set(Shown::Idle);
-        self.armed.set(None);
-        self.said.set(
-            tr!("The program of the runs has stopped, and its motors with it. Press Arm again.")
-                .to_owned(),
-        );
     }
 
     /// Seconds until an armed run can no longer be started.

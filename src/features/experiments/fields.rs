@@ -10,7 +10,7 @@ use web_sys::KeyboardEvent;
 
 use crate::{
     features::experiments::{state::Experiments, texts},
-    ui::reactive::{dynamic, handler, memo},
+    ui::reactive::{dynamic, effect, handler, memo},
 };
 
 /// The fields of the study that the tab shows.
@@ -64,10 +64,28 @@ fn parameter(of: Experiments, kind: StudyKind, name: &str) -> Option<(f64, (f64,
     })
 }
 
+/// Whether the text of a field is no number. While the field is shown and wrong, nothing can be armed: the value before
+/// would run.
+fn wrong_text(of: Experiments, label: &'static str) -> RwSignal<bool> {
+    let wrong = RwSignal::new(false);
+    let remove = move || {
+        of.wrong_fields
+            .update(|fields| fields.retain(|it| *it != label))
+    };
+    effect(move || {
+        remove();
+        if wrong.get() {
+            of.wrong_fields.update(|fields| fields.push(label));
+        }
+    });
+    on_cleanup(remove);
+    wrong
+}
+
 #[component]
 fn ParameterField(of: Experiments, kind: StudyKind, name: &'static str) -> impl IntoView {
     let (label, unit) = texts::parameter(name);
-    let wrong_text = RwSignal::new(false);
+    let wrong_text = wrong_text(of, label);
     let now = memo(move || {
         parameter(of, kind, name)
             .map(|(value, ..)| value)
@@ -201,7 +219,7 @@ fn set_motor(study: &mut Study, id: MotorId) {
 /// The accelerations that a step response compares, such as `1, 2, 5`.
 #[component]
 fn Accelerations(of: Experiments) -> impl IntoView {
-    let wrong = RwSignal::new(false);
+    let wrong = wrong_text(of, tr!("Accelerations"));
     let text = move || {
         of.studies.with_untracked(|studies| {
             let all = studies.iter().find_map(|study| match study {

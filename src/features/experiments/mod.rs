@@ -5,7 +5,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `panel` | the panel `Experiments` with its tabs |
-//! | `state`, `actions` | what the panel knows; what its buttons do |
+//! | `state`, `actions`, `messages` | what the panel knows; what its buttons do; what the run tells |
 //! | `table` | the table of steps as it is typed |
 //! | `sequence_fields`, `sequence_file` | template, name and limits of a sequence; a sequence as a file |
 //! | `steps`, `steps_grid` | the table of steps; its rows as HTML |
@@ -22,6 +22,7 @@ mod chart;
 mod code;
 mod fields;
 mod kept;
+mod messages;
 pub(crate) mod panel;
 mod results;
 mod run_bar;

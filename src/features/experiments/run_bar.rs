@@ -2,7 +2,11 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::experiments::{plan::PlanMotor, runner::Phase};
+use motorlink_messages::experiments::{
+    plan::PlanMotor,
+    runner::Phase,
+    sequence::{Quantity, RunLimits},
+};
 use wasm_bindgen::JsCast;
 use web_sys::HtmlInputElement;
 
@@ -163,7 +167,7 @@ fn countdown(of: Experiments) -> String {
     tr!("Run starts motion. Armed for {seconds} s.", seconds)
 }
 
-/// `Running: 12 s of at most 38 s, row 3`
+/// `Running: 12 s of at most 38 s`
 fn state_words(of: Experiments) -> String {
     let crate::features::experiments::state::Shown::Reported(state) = of.shown.get() else {
         return String::new();
@@ -173,6 +177,9 @@ fn state_words(of: Experiments) -> String {
     let passed = format::in_language(format!("{:.1} s", state.passed.as_secs_f64()));
     let longest = texts::duration(longest);
     match state.phase {
+        Phase::Armed { .. } if of.armed_for() == Some(0) => {
+            tr!("Armed over a minute ago. Press Arm again.").to_owned()
+        }
         Phase::Armed { .. } => tr!("Armed. Read what will move, then press Run.").to_owned(),
         Phase::Running => tr!("Running: {passed} of at most {longest}", passed, longest),
         Phase::Paused => tr!("Paused at {passed} of at most {longest}", passed, longest),
@@ -192,10 +199,10 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
         tr!("It takes {time}.", time)
     };
     let rate = tr!(
-        "{rate} setpoints a second.",
+        "At most {rate} setpoints a second for each motor.",
         rate = 1_000_000 / armed.options.period.as_micros().max(1)
     );
-    let limits = limits(page, armed);
+    let limits = limits(armed);
     let mut ends = tr!("STOP, Space, Escape, a fault, silence and a limit end it.").to_owned();
     if armed.options.stop_on_lost_focus {
         ends = format!("{ends} {}", tr!("So does a lost focus."));
@@ -210,7 +217,8 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
     }
 }
 
-/// `Motor 0x01 · front left: −100 to +100 rpm, velocity loop`
+/// `Motor 0x01 · front left: −100 to +100 rpm, velocity loop`. A position run also moves from the present angle to the
+/// first one.
 fn motor_line(page: Page, motor: &PlanMotor) -> String {
     let id = motor.id;
     let name = page.motors.names.with_untracked(|names| {
@@ -227,6 +235,16 @@ fn motor_line(page: Page, motor: &PlanMotor) -> String {
     let mode = terms::mode(motor.mode());
     let unit = texts::unit(motor.quantity);
     let (least, greatest) = (texts::signed(motor.least), texts::signed(motor.greatest));
+    if motor.quantity == Quantity::Degrees {
+        return tr!(
+            "Motor {named}: from its present angle to between {least} and {greatest} {unit}, {mode}",
+            named,
+            least,
+            greatest,
+            unit,
+            mode
+        );
+    }
     tr!(
         "Motor {named}: {least} to {greatest} {unit}, {mode}",
         named,
@@ -237,20 +255,14 @@ fn motor_line(page: Page, motor: &PlanMotor) -> String {
     )
 }
 
-/// The lower of the limits of the page and of the sequence.
-fn limits(page: Page, armed: &Armed) -> String {
-    let own = armed.plan.limits();
-    let settings = page.settings;
-    let lower = |own: Option<f64>, of_page: f64| own.map_or(of_page, |own| own.min(of_page));
-    let amps = f64::from(settings.current_limit.get_untracked()) / 1000.0;
+fn limits(armed: &Armed) -> String {
+    let RunLimits { rpm, amps, celsius } = armed.limits;
+    let text = |limit: Option<f64>| limit.map_or_else(|| format::UNKNOWN.to_owned(), texts::number);
     tr!(
         "Limits: {rpm} {unit}, {amps} A, {celsius} °C.",
-        rpm = texts::number(lower(own.rpm, settings.speed_limit.get_untracked().into())),
+        rpm = text(rpm),
         unit = format::rpm(),
-        amps = texts::number(lower(own.amps, amps)),
-        celsius = texts::number(lower(
-            own.celsius,
-            settings.temperature_limit.get_untracked().into()
-        ))
+        amps = text(amps),
+        celsius = text(celsius)
     )
 }

@@ -142,6 +142,10 @@ fn file_buttons(of: Experiments) -> impl IntoView {
             Some(texts::refused(&error, row.map(|(row, _)| row)))
         })
     };
+    let undo_blocked_by = move || {
+        let none = of.replaced.with(Option::is_none);
+        none.then(|| tr!("No template or file has replaced the table.").to_owned())
+    };
     view! {
         <div class="run-buttons">
             <PressButton
@@ -160,6 +164,13 @@ fn file_buttons(of: Experiments) -> impl IntoView {
                 class="button small"
                 disabled_reason=Signal::derive(save_blocked_by)
                 on_press=move || of.save()
+            />
+            <PressButton
+                label=tr!("Undo" as "table")
+                class="button small"
+                hint=tr!("Brings the table back that a template or a file has replaced.")
+                disabled_reason=Signal::derive(undo_blocked_by)
+                on_press=move || of.undo()
             />
             <input
                 type="file"

@@ -19,7 +19,12 @@ use crate::{
         kept::KeptRuns,
         table::{self, Row},
     },
-    model::{names_and_sides::NamesAndSides, page::Page, snapshot::Session},
+    model::{
+        names_and_sides::NamesAndSides,
+        page::Page,
+        preferences::{remember, remembered},
+        snapshot::Session,
+    },
     ui::reactive::{effect, memo},
 };
 
@@ -56,6 +61,11 @@ impl ExperimentTab {
     }
 }
 
+/// The key of the kept table in the browser's storage.
+const REMEMBERED: &str = "experiments.sequence";
+/// A longer table is not kept: it would be written whole at each change.
+const REMEMBERED_ROWS_MAX: usize = 500;
+
 /// The table of steps and what belongs to it, as typed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Draft {
@@ -75,6 +85,21 @@ impl Draft {
             limits: [rpm, amps, celsius].map(text),
             rows: table::rows(sequence),
             selected: 0,
+        }
+    }
+
+    /// The table of the last visit, or a template.
+    fn first() -> Self {
+        let last = remembered(REMEMBERED).and_then(|text| Sequence::from_json(&text).ok());
+        Self::of(&last.unwrap_or_else(|| Template::BackAndForth.sequence()))
+    }
+
+    /// Keeps the table for the next visit, if it is valid and not huge.
+    fn remember(&self) {
+        if self.rows.len() <= REMEMBERED_ROWS_MAX
+            && let Ok(sequence) = self.sequence()
+        {
+            remember(REMEMBERED, &sequence.to_json());
         }
     }
 
@@ -107,6 +132,11 @@ impl Shown {
         }
     }
 
+    /// Whether a run is armed, running or paused.
+    pub(super) fn is_open(self) -> bool {
+        self.is_driving() || matches!(self.phase(), Some(Phase::Armed { .. }))
+    }
+
     /// Whether the run drives motors, also while it is paused.
     pub(super) fn is_driving(self) -> bool {
         matches!(self.phase(), Some(Phase::Running | Phase::Paused))
@@ -119,6 +149,8 @@ pub(super) struct Armed {
     pub(super) study: Study,
     pub(super) plan: Plan,
     pub(super) options: Options,
+    /// The lower of the limits of the page and of the sequence.
+    pub(super) limits: RunLimits,
 }
 
 /// The panel: a pointer to its state, which stays through a change of language and while the panel is closed.
@@ -138,6 +170,8 @@ pub(crate) struct State {
     pub(super) page: Page,
     pub(super) tab: RwSignal<ExperimentTab>,
     pub(super) draft: RwSignal<Draft>,
+    /// The table before a template or a file replaced it.
+    pub(super) replaced: RwSignal<Option<Draft>>,
     /// Rises when the rows of the table must be drawn again.
     pub(super) redrawn: RwSignal<u32>,
     /// The studies, one of each kind except for the sequence.
@@ -150,6 +184,10 @@ pub(crate) struct State {
     pub(super) shown: RwSignal<Shown>,
     /// What the panel says about arming and starting, and about a file.
     pub(super) said: RwSignal<String>,
+    /// When Pause was pressed last.
+    pub(super) paused_ms: StoredValue<f64>,
+    /// The names of the shown fields whose text is no number.
+    pub(super) wrong_fields: RwSignal<Vec<&'static str>>,
     /// The number of the last run.
     pub(super) run: StoredValue<u32>,
     pub(super) armed: RwSignal<Option<Rc<Armed>>, LocalStorage>,
@@ -179,12 +217,15 @@ impl Experiments {
                 let new = Self(Box::leak(Box::new(State {
                     page,
                     tab: RwSignal::new(ExperimentTab::Sequence),
-                    draft: RwSignal::new(Draft::of(&Template::BackAndForth.sequence())),
+                    draft: RwSignal::new(Draft::first()),
+                    replaced: RwSignal::new(None),
                     redrawn: RwSignal::new(0),
                     studies: RwSignal::new(studies.collect()),
                     characterise: RwSignal::new(StudyKind::Friction),
                     rate: RwSignal::new(200),
                     stop_on_lost_focus: RwSignal::new(false),
+                    paused_ms: StoredValue::new(f64::NEG_INFINITY),
+                    wrong_fields: RwSignal::new(Vec::new()),
                     shown: RwSignal::default(),
                     said: RwSignal::default(),
                     run: StoredValue::new(0),
@@ -197,6 +238,7 @@ impl Experiments {
                     checked: RwSignal::new(None),
                 })));
                 effect(move || new.checked.set(new.plan()));
+                effect(move || new.draft.with(Draft::remember));
                 new.listen();
                 provide_context(new);
                 new

@@ -29,9 +29,17 @@ impl Experiments {
         self.redrawn.update(|drawn| *drawn = drawn.wrapping_add(1));
     }
 
-    /// Replaces the table.
+    /// Replaces the table. [`Self::undo`] brings the one before back.
     pub(super) fn load(self, sequence: &Sequence) {
+        self.replaced.set(Some(self.draft.get_untracked()));
         self.edit(|draft| *draft = Draft::of(sequence));
+    }
+
+    /// Brings the table back that was replaced last.
+    pub(super) fn undo(self) {
+        if let Some(before) = self.replaced.try_update(Option::take).flatten() {
+            self.edit(|draft| *draft = before);
+        }
     }
 
     /// Adds rows behind the selected block.

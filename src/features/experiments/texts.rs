@@ -122,10 +122,10 @@ pub(super) fn advice(kind: StudyKind) -> &'static str {
             "The wheel turns freely. A known current pushes it, then it coasts: this gives inertia and friction."
         ),
         StudyKind::Heating => tr!(
-            "Block or load the wheel so that it cannot turn fast. A constant current heats the winding."
+            "Load the wheel so that it turns slowly. If it is blocked, its stall protection ends the run after 5 s. A constant current heats the winding."
         ),
         StudyKind::TorqueSpeed => tr!(
-            "The wheel is driven at one speed. Load it by hand, more and more, with a glove or a brake."
+            "The wheel turns at one speed. Load it more and more with a brake. Keep hands, gloves and hair clear."
         ),
     }
 }
@@ -254,6 +254,17 @@ pub(super) fn end(end: End, row: Option<usize>) -> String {
     }
 }
 
+/// How an armed run ended that never moved anything.
+pub(super) fn disarmed(end: End) -> String {
+    match end {
+        End::Finished { .. } => String::new(),
+        End::Aborted { cause, .. } => {
+            let cause = self::cause(cause, None);
+            tr!("Disarmed: {cause}.", cause)
+        }
+    }
+}
+
 fn cause(cause: Cause, row: Option<usize>) -> String {
     match cause {
         Cause::Stopped => tr!("stopped by you").to_owned(),
@@ -283,6 +294,10 @@ fn cause(cause: Cause, row: Option<usize>) -> String {
             None => tr!("a condition was not fulfilled in its time").to_owned(),
         },
         Cause::PausedTooLong => tr!("paused for over ten minutes").to_owned(),
+        Cause::PortClosed => tr!("the port was closed").to_owned(),
+        Cause::Scan => tr!("a scan began").to_owned(),
+        Cause::OtherModel => tr!("another motor model is set").to_owned(),
+        Cause::ProgramFailed => tr!("the program that runs experiments failed").to_owned(),
     }
 }
 

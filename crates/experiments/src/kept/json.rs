@@ -144,6 +144,10 @@ const fn cause_name(cause: Cause) -> &'static str {
         Cause::Late => "late",
         Cause::WaitTimedOut { .. } => "wait_timed_out",
         Cause::PausedTooLong => "paused_too_long",
+        Cause::PortClosed => "port_closed",
+        Cause::Scan => "scan",
+        Cause::OtherModel => "other_model",
+        Cause::ProgramFailed => "program_failed",
     }
 }
 
@@ -214,6 +218,10 @@ fn outcome(name: &str, at: Instant, id: MotorId) -> Option<Outcome> {
         Cause::Late,
         Cause::WaitTimedOut { step: 0 },
         Cause::PausedTooLong,
+        Cause::PortClosed,
+        Cause::Scan,
+        Cause::OtherModel,
+        Cause::ProgramFailed,
     ];
     match name {
         // Nothing runs in a file.

@@ -59,6 +59,14 @@ pub enum Cause {
     },
     /// The pause was longer than allowed.
     PausedTooLong,
+    /// The user closed the port.
+    PortClosed,
+    /// A scan or an ID query began.
+    Scan,
+    /// The user chose another model, or the motor reported one.
+    OtherModel,
+    /// The program that runs experiments failed.
+    ProgramFailed,
 }
 
 /// An exceeded limit.
@@ -137,6 +145,10 @@ impl fmt::Display for Cause {
                 f.write_str("a condition did not come to hold in its time")
             }
             Self::PausedTooLong => f.write_str("paused for over ten minutes"),
+            Self::PortClosed => f.write_str("the port was closed"),
+            Self::Scan => f.write_str("a scan began"),
+            Self::OtherModel => f.write_str("another motor model is set"),
+            Self::ProgramFailed => f.write_str("the program that runs experiments failed"),
         }
     }
 }

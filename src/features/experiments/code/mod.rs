@@ -7,7 +7,7 @@ use motorlink_messages::{
         generate::{Program, Ros2, arduino, python, ros2, rust},
         plan::Plan,
     },
-    protocol::MotorId,
+    protocol::{MotorId, family::Model},
 };
 use wasm_bindgen_futures::JsFuture;
 
@@ -57,12 +57,19 @@ impl Code {
 type Files = Result<Vec<(&'static str, String)>, String>;
 
 fn files(of: Experiments, code: Code) -> Files {
+    // Another model has other frames, and speeds in other units.
+    if of.page.model.get() != Model::Ddsm115 {
+        return Err(
+            tr!("The code is for the DDSM115. Choose that model in the settings.").to_owned(),
+        );
+    }
     if code == Code::Ros2 {
         return robot(of);
     }
     let sequence = of.draft.with(Draft::sequence);
     let refused = |error| texts::refused(&error, None);
-    let sequence = sequence.map_err(refused)?;
+    let mut sequence = sequence.map_err(refused)?;
+    sequence.limits = of.limits(sequence.limits);
     let plan = of.fleet.with(|fleet| Plan::new(&sequence, fleet));
     let plan = plan.map_err(refused)?;
     let program = Program {

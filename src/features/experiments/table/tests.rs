@@ -1,9 +1,12 @@
-use motorlink_messages::experiments::{
-    plan::{Fleet, Plan},
-    sequence::Template,
+use motorlink_messages::{
+    experiments::{
+        plan::{Fleet, Plan},
+        sequence::{Sequence, Template},
+    },
+    protocol::MotorId,
 };
 
-use super::*;
+use super::{reading::places, *};
 
 fn sequence(rows: &[Row]) -> Sequence {
     Sequence {
