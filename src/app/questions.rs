@@ -74,8 +74,8 @@ fn erase_stored_data() -> Question {
         title: tr!("Delete all data?").to_owned(),
         words: tr!(
             "This deletes every session stored in this browser, with packets and recordings, \
-             including the current one. The packet log starts empty.\nIt also deletes motor names, \
-             sides and groups, ramp, rate, model, theme and all other settings. This cannot be \
+             including the current one. The packet log starts empty.\nIt also deletes runs of experiments, \
+             motor names, sides and groups, ramp, rate, model, theme and all other settings. This cannot be \
              undone. Motors are not affected."
         )
         .to_owned(),

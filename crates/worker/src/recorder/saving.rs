@@ -2,8 +2,10 @@
 
 use std::rc::Rc;
 
+use js_sys::{Function, Reflect};
 use motorlink_messages::recorder::{FromRecorder, NotSaved, ToRecorder};
 use motorlink_recorder::saved::StoreAction;
+use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::spawn_local;
 
 use super::{
@@ -12,7 +14,7 @@ use super::{
     state::{RecorderWorker, Saving, Shared, post},
     store::{Done, Job, Jobs, Store},
 };
-use crate::local_time::local_time;
+use crate::{local_time::local_time, scope::global};
 
 impl Saving {
     /// Queues a job.
@@ -96,6 +98,7 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
             }
         }
         ToRecorder::Erase => {
+            erase_runs();
             saving.erased += 1;
             saving.found = None;
             saving.to_read = None;
@@ -107,6 +110,20 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
         }
         _ => {}
     }
+}
+
+/// The name of the database in which the page keeps the runs of experiments.
+const RUNS: &str = "motorlink-experiments";
+
+/// Deletes the kept runs of experiments. Pages that have the database open close it when the browser asks.
+fn erase_runs() {
+    let erase = || -> Result<(), JsValue> {
+        let database = Reflect::get(&global(), &"indexedDB".into())?;
+        let delete: Function = Reflect::get(&database, &"deleteDatabase".into())?.dyn_into()?;
+        delete.call1(&database, &RUNS.into()).map(drop)
+    };
+    // Without this database there are no kept runs.
+    let _ = erase();
 }
 
 /// Runs the queued jobs.

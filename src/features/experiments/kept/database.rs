@@ -23,11 +23,15 @@ const PARTS_MAX: f64 = 1_000_000.0;
 type Result<T> = std::result::Result<T, JsValue>;
 
 /// An open database.
-pub(super) struct Database(IdbDatabase);
+pub(super) struct Database {
+    database: IdbDatabase,
+    _on_erased: Closure<dyn FnMut()>,
+}
 
 impl Database {
-    /// Opens it, and creates it at the first visit.
-    pub(super) async fn open() -> Result<Self> {
+    /// Opens it, and creates it at the first visit. Calls `on_erased` when the user deletes all data, also in another
+    /// tab.
+    pub(super) async fn open(on_erased: impl Fn() + 'static) -> Result<Self> {
         let global = js_sys::global();
         let factory: IdbFactory = Reflect::get(&global, &"indexedDB".into())?.dyn_into()?;
         let request: IdbOpenDbRequest = factory.open_with_u32(NAME, VERSION)?;
@@ -41,22 +45,34 @@ impl Database {
             }
         });
         request.set_onupgradeneeded(Some(create.as_ref().unchecked_ref()));
-        let database = done(&request).await?;
-        Ok(Self(database.unchecked_into()))
+        let database: IdbDatabase = done(&request).await?.unchecked_into();
+        let open = database.clone();
+        // The browser deletes it when it is closed everywhere.
+        let on_erased = Closure::<dyn FnMut()>::new(move || {
+            open.close();
+            on_erased();
+        });
+        database.set_onversionchange(Some(on_erased.as_ref().unchecked_ref()));
+        Ok(Self {
+            database,
+            _on_erased: on_erased,
+        })
     }
 
-    /// All headers.
-    pub(super) async fn headers(&self) -> Result<Vec<RunHeader>> {
+    /// All headers that this version can read.
+    pub(super) async fn headers(&self) -> Result<Headers> {
         let all = done(&self.store(RUNS, false)?.get_all()?).await?;
-        Ok(read_all(&all))
+        let read = read_all(&all);
+        let unread = (Array::from(&all).length() as usize).saturating_sub(read.len());
+        Ok(Headers { read, unread })
     }
 
     /// Stores a header, in place of an older one of the same run.
     pub(super) async fn put_header(&self, header: &RunHeader) -> Result<()> {
         let bytes = bytes_of(header)?;
         let store = self.store(RUNS, true)?;
-        done(&store.put_with_key(&bytes, &header.number.into())?).await?;
-        Ok(())
+        store.put_with_key(&bytes, &header.number.into())?;
+        stored(&store).await
     }
 
     /// Stores a part of a record. Returns its size.
@@ -64,7 +80,8 @@ impl Database {
         let bytes = bytes_of(part)?;
         let key = f64::from(run) * PARTS_MAX + f64::from(place);
         let store = self.store(PARTS, true)?;
-        done(&store.put_with_key(&bytes, &key.into())?).await?;
+        store.put_with_key(&bytes, &key.into())?;
+        stored(&store).await?;
         Ok(bytes.length())
     }
 
@@ -88,9 +105,16 @@ impl Database {
         } else {
             IdbTransactionMode::Readonly
         };
-        let transaction = self.0.transaction_with_str_and_mode(name, mode)?;
+        let transaction = self.database.transaction_with_str_and_mode(name, mode)?;
         transaction.object_store(name)
     }
+}
+
+/// The headers of all runs.
+pub(super) struct Headers {
+    pub(super) read: Vec<RunHeader>,
+    /// Runs that another version of the page has written, and this one cannot read.
+    pub(super) unread: usize,
 }
 
 fn range(run: u32) -> Result<JsValue> {
@@ -112,6 +136,17 @@ fn read_all<T: serde::de::DeserializeOwned>(all: &JsValue) -> Vec<T> {
         decode(&bytes).ok()
     };
     Array::from(all).iter().filter_map(read).collect()
+}
+
+/// Waits until what was written is stored. A full disk shows only then.
+async fn stored(store: &IdbObjectStore) -> Result<()> {
+    let transaction = store.transaction();
+    let ended = Promise::new(&mut |resolve, reject| {
+        transaction.set_oncomplete(Some(&resolve));
+        transaction.set_onerror(Some(&reject));
+        transaction.set_onabort(Some(&reject));
+    });
+    JsFuture::from(ended).await.map(drop)
 }
 
 /// The result of a request, once it has ended.

@@ -11,10 +11,7 @@ use motorlink_messages::experiments::{
 };
 use motorlink_messages::protocol::{Instant, MotorId};
 
-use super::{
-    bound::{self, too_many},
-    database::Database,
-};
+use super::database::{Database, Headers};
 use crate::ui::clock::page_now_ms;
 
 /// Parts are stored this often: a crash loses as much of a run.
@@ -25,7 +22,7 @@ const SHOW_LONG_EVERY_MS: f64 = 10_000.0;
 /// A record with more samples is long: four minutes at 200 Hz.
 const LONG: usize = 50_000;
 /// Records of stored runs in memory: as many as are compared, and the one that runs.
-const RECORDS_MAX: usize = 9;
+pub(super) const RECORDS_MAX: usize = 9;
 
 /// A run that begins.
 pub(crate) struct NewRun {
@@ -47,10 +44,10 @@ pub(crate) struct NewRun {
 
 /// What is not stored yet of the run that goes on.
 #[derive(Default)]
-struct Pending {
-    part: RecordPart,
-    place: u32,
-    stored_ms: f64,
+pub(super) struct Pending {
+    pub(super) part: RecordPart,
+    pub(super) place: u32,
+    pub(super) stored_ms: f64,
     shown_ms: f64,
 }
 
@@ -59,9 +56,9 @@ type Cache = BTreeMap<u32, (u32, Rc<Findings>)>;
 
 /// What no view reads directly. One value, so that the handle is small.
 #[derive(Default)]
-struct Memory {
-    records: BTreeMap<u32, Record>,
-    pending: Pending,
+pub(super) struct Memory {
+    pub(super) records: BTreeMap<u32, Record>,
+    pub(super) pending: Pending,
     database: Option<Rc<Database>>,
     findings: Cache,
 }
@@ -75,7 +72,7 @@ pub(crate) struct KeptRuns {
     pub(crate) said: RwSignal<String>,
     /// Grows whenever a record is loaded, extended or ended.
     pub(crate) version: RwSignal<u32>,
-    memory: StoredValue<Memory, LocalStorage>,
+    pub(super) memory: StoredValue<Memory, LocalStorage>,
 }
 
 impl KeptRuns {
@@ -96,24 +93,30 @@ impl KeptRuns {
         })
     }
 
-    fn database(self) -> Option<Rc<Database>> {
+    pub(super) fn database(self) -> Option<Rc<Database>> {
         self.memory.with_value(|memory| memory.database.clone())
     }
 
     async fn open(self) {
-        let opened = match Database::open().await {
+        let opened = match Database::open(move || self.forget_all()).await {
             Ok(database) => database.headers().await.map(|headers| (database, headers)),
             Err(error) => Err(error),
         };
-        let Ok((database, headers)) = opened else {
+        let Ok((database, Headers { read, unread })) = opened else {
             return self.say_not_stored();
         };
+        if unread > 0 {
+            self.said.set(tr!(
+                "Runs of another version, which this one cannot read: {unread}.",
+                unread
+            ));
+        }
         self.memory
             .update_value(|memory| memory.database = Some(Rc::new(database)));
         self.list.update(|list| {
             let known: Vec<u32> = list.iter().map(|run| run.number).collect();
             // A run without an end was cut off with its page, or another tab runs it.
-            list.extend(headers.into_iter().filter_map(|mut run| {
+            list.extend(read.into_iter().filter_map(|mut run| {
                 if run.outcome == Outcome::Running {
                     run.outcome = Outcome::PageClosed;
                 }
@@ -131,7 +134,15 @@ impl KeptRuns {
         }
     }
 
-    fn say_not_stored(self) {
+    /// The user has deleted all data.
+    fn forget_all(self) {
+        self.memory
+            .update_value(|memory| *memory = Memory::default());
+        self.list.set(Vec::new());
+        self.changed();
+    }
+
+    pub(super) fn say_not_stored(self) {
         let words = tr!("This browser stores no runs now. They stay until the page is closed.");
         self.said.set(words.to_owned());
     }
@@ -280,6 +291,14 @@ impl KeptRuns {
         found
     }
 
+    /// Whether the records of all these runs are in memory. The others are being loaded.
+    pub(crate) fn has_records(self, numbers: &[u32]) -> bool {
+        let loaded = numbers
+            .iter()
+            .filter(|number| self.with_record(**number, |_| ()).is_some());
+        loaded.count() == numbers.len()
+    }
+
     /// The findings of a run. They follow `version`.
     pub(crate) fn findings(self, number: u32) -> Option<Rc<Findings>> {
         let header = self.header(number)?;
@@ -309,112 +328,7 @@ impl KeptRuns {
         Some(found)
     }
 
-    fn load(self, number: u32) {
-        let Some(database) = self.database() else {
-            return;
-        };
-        let header = self.list.with_untracked(|list| {
-            let run = list.iter().find(|run| run.number == number);
-            run.cloned()
-        });
-        let Some(header) = header else {
-            return;
-        };
-        spawn_local(async move {
-            let Ok(parts) = database.parts(number).await else {
-                let words = tr!("The data of this run cannot be read.");
-                return self.said.set(words.to_owned());
-            };
-            let mut record = header.record();
-            for part in parts {
-                record.add_part(part);
-            }
-            self.memory.update_value(|memory| {
-                let records = &mut memory.records;
-                if records.len() >= RECORDS_MAX {
-                    let running = self.list.with_untracked(|list| {
-                        let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
-                        running.next().map(|run| run.number)
-                    });
-                    // The others are loaded again when they are shown.
-                    records.retain(|number, _| Some(*number) == running);
-                }
-                records.insert(number, record);
-            });
-            self.changed();
-        });
-    }
-
-    /// Stores what is pending.
-    fn store(self, number: u32) {
-        let Some(database) = self.database() else {
-            return;
-        };
-        let mut taken = None;
-        self.memory.update_value(|memory| {
-            let pending = &mut memory.pending;
-            pending.stored_ms = page_now_ms();
-            let part = std::mem::take(&mut pending.part);
-            taken = Some((pending.place, part));
-            pending.place += 1;
-        });
-        let Some((place, part)) = taken else {
-            return;
-        };
-        spawn_local(async move {
-            match database.add_part(number, place, &part).await {
-                Ok(bytes) => self.grow(number, bytes),
-                Err(_) => self.say_not_stored(),
-            }
-        });
-    }
-
-    fn grow(self, number: u32, bytes: u32) {
-        self.list.update(|list| {
-            if let Some(run) = list.iter_mut().find(|run| run.number == number) {
-                run.bytes = run.bytes.saturating_add(bytes);
-            }
-        });
-    }
-
-    fn change(self, number: u32, change: impl FnOnce(&mut RunHeader)) {
-        let mut changed = None;
-        self.list.update(|list| {
-            if let Some(run) = list.iter_mut().find(|run| run.number == number) {
-                change(run);
-                changed = Some(run.clone());
-            }
-        });
-        if let Some(header) = changed {
-            self.put(header);
-        }
-    }
-
-    fn put(self, header: RunHeader) {
-        let Some(database) = self.database() else {
-            return;
-        };
-        spawn_local(async move {
-            if database.put_header(&header).await.is_err() {
-                self.say_not_stored();
-            }
-        });
-    }
-
-    fn keep_within_bounds(self) {
-        let gone = self.list.with_untracked(|list| too_many(list));
-        if gone.is_empty() {
-            return;
-        }
-        self.delete(&gone);
-        self.said.set(tr!(
-            "The oldest runs were deleted: at most {runs} runs and {size} MB are kept.",
-            runs = bound::RUNS_MAX,
-            size = bound::BYTES_MAX / 1_000_000
-        ));
-    }
-
-    fn changed(self) {
+    pub(super) fn changed(self) {
         self.version
             .update(|version| *version = version.wrapping_add(1) % u32::MAX);
     }

@@ -97,7 +97,9 @@ fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
         (tr!("Date").to_owned(), texts::date(&header)),
         (tr!("End").to_owned(), texts::outcome(header.outcome)),
     ];
-    let figures = kept.findings(number).map(|found| Figures::of(&found));
+    let figures = kept
+        .findings(number)
+        .map(|found| Figures::of(&found, &header.model));
     let figures = figures.unwrap_or_default();
     if figures.columns.len() > 1 {
         rows.push((String::new(), figures.columns.join(" | ")));
@@ -107,7 +109,7 @@ fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
     Some(ReportRun {
         name: header.name,
         rows,
-        meaning: figures.meaning,
+        meaning: figures.meaning.into_iter().chain(figures.maker).collect(),
     })
 }
 

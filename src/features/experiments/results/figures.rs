@@ -9,6 +9,8 @@ use motorlink_messages::experiments::{
     },
 };
 
+use motorlink_messages::protocol::family::Model;
+
 use super::texts;
 use crate::ui::format::{UNKNOWN, in_language, rpm};
 
@@ -24,12 +26,30 @@ pub(super) struct Figures {
     /// The heads of the columns, if there are several.
     pub(super) columns: Vec<String>,
     pub(super) rows: Vec<Figure>,
-    /// What the figures mean, and the figures of the maker.
+    /// What the figures mean.
     pub(super) meaning: Vec<String>,
+    /// The figures of the maker, or why there are none.
+    pub(super) maker: Vec<String>,
 }
 
 impl Figures {
-    pub(super) fn of(findings: &Findings) -> Self {
+    /// The figures of a run of this model. Only the DDSM115 has figures of its maker, and a known torque constant.
+    pub(super) fn of(findings: &Findings, model: &str) -> Self {
+        let mut figures = Self::of_ddsm115(findings);
+        if model == Model::Ddsm115.spec().name {
+            return figures;
+        }
+        figures.maker.clear();
+        if matches!(findings, Findings::CoastDown(_) | Findings::TorqueSpeed(_)) {
+            figures.maker_says(tr!(
+                "Torque and inertia are computed with 0.75 N·m/A, the figure of the DDSM115. That of the {model} is not known, so they are not those of this motor.",
+                model
+            ));
+        }
+        figures
+    }
+
+    fn of_ddsm115(findings: &Findings) -> Self {
         match findings {
             Findings::Sequence(_) => Self::default(),
             Findings::Step(found) => step(found),
@@ -51,6 +71,10 @@ impl Figures {
 
     fn says(&mut self, text: impl Into<String>) {
         self.meaning.push(text.into());
+    }
+
+    fn maker_says(&mut self, text: impl Into<String>) {
+        self.maker.push(text.into());
     }
 
     fn left_out(&mut self, count: usize) {
@@ -146,7 +170,7 @@ fn step(found: &StepFindings) -> Figures {
         "How fast the motor follows a step of {step} rpm. The median of the repeats, with the quartiles in brackets.",
         step = number(step, 0)
     ));
-    figures.says(tr!(
+    figures.maker_says(tr!(
         "Maker: from rest to 90 % of 120 rpm in 446 ms at acceleration 1, with at most 0.40 A."
     ));
     figures
@@ -198,7 +222,7 @@ fn friction(found: &FrictionFindings) -> Figures {
     figures.says(tr!(
         "The current that the motor reports at an even speed: a part that does not depend on the speed, and one that grows with it. It is more than friction; the coast-down measures that."
     ));
-    figures.says(tr!("Maker: at most 0.25 A without load."));
+    figures.maker_says(tr!("Maker: at most 0.25 A without load."));
     figures
 }
 
@@ -226,7 +250,7 @@ fn coast_down(found: &CoastDownFindings) -> Figures {
     figures.says(tr!(
         "Inertia from pushes by a known current, friction from how the wheel slows down at 0 A. The interval holds the true value in 99 of 100 cases."
     ));
-    figures.says(tr!(
+    figures.maker_says(tr!(
         "Maker: 0.75 N·m/A, which gives the torque of a push; a wheel of 102 mm and 485 g."
     ));
     figures
@@ -250,7 +274,7 @@ fn heating(found: &HeatingFindings) -> Figures {
     figures.says(tr!(
         "After one time constant the winding has 63 % of its rise. The final temperature is where it ends at this current."
     ));
-    figures.says(tr!(
+    figures.maker_says(tr!(
         "Maker: the motor protects itself at 80 °C, until it has cooled to 75 °C."
     ));
     figures
@@ -275,7 +299,7 @@ fn torque_speed(found: &TorqueSpeedFindings) -> Figures {
     figures.says(tr!(
         "How much slower the wheel turns under load. Beyond the largest measured torque the line is unknown."
     ));
-    figures.says(tr!(
+    figures.maker_says(tr!(
         "Maker: 200 ± 10 rpm without load at 18 V, 0.96 N·m at 115 rpm, 2.0 N·m at a stall."
     ));
     figures
@@ -322,7 +346,7 @@ mod tests {
     fn a_step_without_replies_has_unknown_figures() {
         let study = Study::Step(StepStudy::of(MotorId::FIRST));
         let found = study.evaluate(&Record::default(), &Measured::default());
-        let figures = Figures::of(&found);
+        let figures = Figures::of(&found, "DDSM115");
         assert_eq!(figures.rows.len(), 6);
         assert!(figures.rows.iter().all(|row| row.values == [UNKNOWN]));
     }
@@ -339,7 +363,7 @@ mod tests {
             }],
             left_out: 0,
         });
-        let figures = Figures::of(&found);
+        let figures = Figures::of(&found, "DDSM115");
         assert!(figures.meaning[0].starts_with("12.60 Hz is not valid"));
         assert_eq!(figures.rows[1].values, ["0 / 1"]);
     }

@@ -41,9 +41,29 @@ impl Choice {
     }
 
     fn compare_blocked_by(self) -> Option<String> {
-        let count = self.marked.with(Vec::len);
-        let fits = (2..=RUNS_MAX).contains(&count);
+        let (count, is_one_study) = self.marked.with(|marked| {
+            let kinds = marked.iter().map(|number| {
+                let study = self.kept.header(*number)?.study()?;
+                Some(study.kind())
+            });
+            let mut kinds: Vec<_> = kinds.collect();
+            kinds.dedup();
+            (marked.len(), kinds.len() == 1)
+        });
+        let fits = (2..=RUNS_MAX).contains(&count) && is_one_study;
         (!fits).then(|| tr!("Mark two to eight runs of the same study.").to_owned())
+    }
+
+    fn export_blocked_by(self) -> Option<String> {
+        let marked = self.marked.get();
+        let reading = || {
+            let is_read = self.kept.has_records(&marked);
+            (!is_read).then(|| tr!("The data of these runs is being read.").to_owned())
+        };
+        if marked.len() > RUNS_MAX {
+            return Some(tr!("Mark at most eight runs.").to_owned());
+        }
+        self.none_marked().or_else(reading)
     }
 
     fn mark(self, number: u32, is_marked: bool) {
@@ -54,10 +74,6 @@ impl Choice {
                 marked.push(number);
             }
         });
-        if is_marked {
-            // Its record is loaded now, so that an export has it.
-            untrack(|| self.kept.with_record(number, |_| ()));
-        }
     }
 
     fn delete(self) {
@@ -223,7 +239,7 @@ fn buttons(of: Choice) -> impl IntoView {
             <PressButton
                 label=tr!("Export")
                 class="button small"
-                disabled_reason=none_marked
+                disabled_reason=Signal::derive(move || of.export_blocked_by())
                 on_press=move || of.export()
             />
         </div>

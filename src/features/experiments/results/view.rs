@@ -71,7 +71,9 @@ pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoVi
         let shown = shown.get();
         let runs = shown.into_iter().filter_map(move |number| {
             let header = kept.header(number)?;
-            let figures = kept.findings(number).map(|found| Figures::of(&found));
+            let figures = kept
+                .findings(number)
+                .map(|found| Figures::of(&found, &header.model));
             let outcome = names::outcome(header.outcome);
             Some(view! {
                 <section class="run-figures" aria-label=header.name.clone()>
@@ -109,7 +111,7 @@ fn figures_view(figures: Figures) -> impl IntoView {
             </div>
         }
     });
-    let meaning = figures.meaning.into_iter();
+    let meaning = figures.meaning.into_iter().chain(figures.maker);
     view! {
         {head}
         {rows.collect_view()}
