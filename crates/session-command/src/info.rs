@@ -47,11 +47,11 @@ fn print_overview(overview: &Overview) {
     );
     for (id, motor) in overview.motors() {
         let extent = motor.extent().map_or_else(String::new, |extent| {
-            let (speed, current) = (extent.speed, extent.current);
-            format!(
-                ", {} to {}, {} to {}",
-                speed.0, speed.1, current.0, current.1
-            )
+            let current = extent
+                .current
+                .map(|(least, most)| format!(", {least} to {most}"));
+            let (least, most) = extent.speed;
+            format!(", {least} to {most}{}", current.unwrap_or_default())
         });
         let (id, replies, lost) = (id.get(), motor.replies, motor.lost);
         println!(

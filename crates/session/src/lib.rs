@@ -55,10 +55,10 @@ mod replay;
 mod writer;
 
 pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
-pub use copy::{BOOKMARK_TEXT_MAX, BOOKMARKS_MAX, CopyStep, Copying, copy};
+pub use copy::{BOOKMARK_TEXT_MAX, CopyStep, Copying, copy};
 pub use export::{About, Table, report};
 pub use import::Import;
-pub use overview::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
+pub use overview::{BOOKMARKS_MAX, BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
 pub use reader::{
     Attachment, Cursor, Next, NotASession, Opening, Problem, Problems, Session, Source, Step,
     for_each_record, open, overview,

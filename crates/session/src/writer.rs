@@ -91,6 +91,7 @@ impl Writer {
         if let LineEventKind::ModelSelected(model) = event.kind {
             self.flush();
             self.batch.set_model(model);
+            self.overview.set_model(model);
             return;
         }
         if let Some(second) = self.meter.add_event(event) {

@@ -149,24 +149,20 @@ fn facts(info: &SessionInfo) -> Vec<(&'static str, String)> {
 }
 
 fn motor_row(motor: &SessionMotor) -> impl IntoView + use<> {
-    let extreme = |place: usize, pick: fn(i16, i16) -> i16| {
-        let values = motor
-            .buckets
-            .iter()
-            .flatten()
-            .filter_map(|bucket| bucket.get(place));
-        values.copied().reduce(pick)
+    let extremes = |buckets: &[Option<[i16; 2]>]| {
+        let buckets = buckets.iter().copied().flatten();
+        buckets.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
     };
-    let speed = extreme(0, i16::min).zip(extreme(1, i16::max));
-    let speed = speed.map(|(least, most)| {
+    let speed = extremes(&motor.speeds);
+    let speed = speed.map(|[least, most]| {
         range(
             &format::speed(Rpm::new(least)),
             &format::speed(Rpm::new(most)),
         )
     });
-    let current = extreme(2, i16::min).zip(extreme(3, i16::max));
+    let current = extremes(&motor.currents);
     let amps = |raw| format::current(Current::from_raw(raw));
-    let current = current.map(|(least, most)| range(&amps(least), &amps(most)));
+    let current = current.map(|[least, most]| range(&amps(least), &amps(most)));
     let unknown = || format::UNKNOWN.to_owned();
     let faults = (!motor.faults.is_none()).then(|| terms::faults(motor.faults));
     view! {

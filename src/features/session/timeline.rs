@@ -4,20 +4,15 @@ use std::fmt::Write;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::sessions::{SessionInfo, SessionMotor};
+use motorlink_messages::sessions::SessionInfo;
 
 use crate::{features::session::player::Player, ui::reactive::dynamic};
 
 /// Width and height of the picture of a motor, in its own units.
 const SIZE: (u64, u64) = (1_000, 60);
 
-/// Marks that are drawn: more are no wider apart than a pixel.
-const MARKS_MAX: usize = 500;
-
-/// A value in a bucket: its places of least and greatest, as in `SessionMotor::buckets`.
-type Places = (usize, usize);
-const SPEED: Places = (0, 1);
-const CURRENT: Places = (2, 3);
+/// Least and greatest value of each bucket of time.
+type Buckets = [Option<[i16; 2]>];
 
 /// A longer time without a reply is empty, as in the graph. A standing motor is queried ten times a second, so in a
 /// short session most buckets between two replies are empty.
@@ -32,8 +27,8 @@ pub(super) fn timeline(player: Player, info: &SessionInfo) -> impl IntoView + us
         // A scan sends frames to every ID.
         .filter(|motor| motor.replies > 0)
         .map(|motor| {
-            let speed = area(motor, SPEED, info.bucket_us, info.duration_us);
-            let current = area(motor, CURRENT, info.bucket_us, info.duration_us);
+            let speed = area(&motor.speeds, info.bucket_us, info.duration_us);
+            let current = area(&motor.currents, info.bucket_us, info.duration_us);
             let name = tr!("Motor {id}: speed and current over time", id = motor.id);
             view! {
                 <figure class="session-motor">
@@ -64,7 +59,7 @@ pub(super) fn strip(player: Player, info: &SessionInfo) -> impl IntoView + use<>
         .motors
         .iter()
         .map(|motor| {
-            let speed = area(motor, SPEED, info.bucket_us, info.duration_us);
+            let speed = area(&motor.speeds, info.bucket_us, info.duration_us);
             view! { <path class="session-speed" d=speed /> }
         })
         .collect();
@@ -97,17 +92,21 @@ fn bookmarks(player: Player, duration_us: u64) -> impl IntoView {
 
 /// The events that are errors, or all others, as vertical lines in one path.
 fn lines(info: &SessionInfo, errors: bool) -> String {
-    let marks = info.marks.iter().take(MARKS_MAX);
+    let marks = info.marks.iter();
     let marks = marks.filter(|mark| mark.error == errors && !mark.is_bookmark);
     path(marks.map(|mark| mark.after_us), info.duration_us)
 }
 
-/// Vertical lines at these times, as a path.
+/// Vertical lines at these times, which ascend, as a path. At most one at each place, so that a path has a bound.
 fn path(times: impl Iterator<Item = u64>, duration_us: u64) -> String {
     let mut path = String::new();
+    let mut last = None;
     for after_us in times {
-        // Writing to a string cannot fail.
-        let _ = write!(path, "M{} 0V{}", x(after_us, duration_us), SIZE.1);
+        let x = x(after_us, duration_us);
+        if last.replace(x) != Some(x) {
+            // Writing to a string cannot fail.
+            let _ = write!(path, "M{x} 0V{}", SIZE.1);
+        }
     }
     path
 }
@@ -119,14 +118,9 @@ fn x(at_us: u64, duration_us: u64) -> u64 {
 
 /// The outline of a value between its least and greatest, as a path: each stretch of time with replies is a closed
 /// area. The zero is in the middle, and the greatest magnitude of the session reaches an edge.
-fn area(motor: &SessionMotor, places: Places, bucket_us: u64, duration_us: u64) -> String {
-    let value =
-        |bucket: &[i16; 4], place: usize| i64::from(bucket.get(place).copied().unwrap_or(0));
-    let buckets = motor.buckets.iter().flatten();
-    let greatest = buckets
-        .flat_map(|bucket| [value(bucket, places.0), value(bucket, places.1)])
-        .map(i64::abs)
-        .max();
+fn area(buckets: &Buckets, bucket_us: u64, duration_us: u64) -> String {
+    let values = buckets.iter().flatten().flatten();
+    let greatest = values.map(|value| i64::from(*value).abs()).max();
     let greatest = greatest.unwrap_or(0).max(1);
     let middle = i64::try_from(SIZE.1 / 2).unwrap_or(0);
     let y = |value: i64| middle - value * (middle - 1) / greatest;
@@ -148,7 +142,7 @@ fn area(motor: &SessionMotor, places: Places, bucket_us: u64, duration_us: u64) 
         stretch.clear();
     };
     let mut empty_us = 0;
-    for (number, bucket) in (0_u64..).zip(&motor.buckets) {
+    for (number, bucket) in (0_u64..).zip(buckets) {
         let Some(bucket) = bucket else {
             empty_us += bucket_us;
             continue;
@@ -158,7 +152,7 @@ fn area(motor: &SessionMotor, places: Places, bucket_us: u64, duration_us: u64) 
         }
         let from = x(number.saturating_mul(bucket_us), duration_us);
         let to = x((number + 1).saturating_mul(bucket_us), duration_us);
-        let (least, most) = (value(bucket, places.0), value(bucket, places.1));
+        let [least, most] = bucket.map(i64::from);
         stretch.push((from, to.max(from + 1), y(least), y(most)));
     }
     close(&mut stretch);
@@ -167,50 +161,35 @@ fn area(motor: &SessionMotor, places: Places, bucket_us: u64, duration_us: u64) 
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::{Faults, MotorId};
-
     use super::*;
-
-    fn motor(buckets: Vec<Option<[i16; 4]>>) -> SessionMotor {
-        SessionMotor {
-            id: MotorId::FIRST,
-            replies: 0,
-            lost: 0,
-            faults: Faults::NONE,
-            temperature_max_c: None,
-            buckets,
-        }
-    }
 
     #[test]
     fn a_value_reaches_the_edge_at_its_greatest_and_gaps_stay_empty() {
-        let motor = motor(vec![
-            Some([0, 100, 0, 0]),
-            Some([100, 100, 0, 0]),
-            None,
-            Some([-50, -50, 0, 0]),
-        ]);
-        let path = area(&motor, SPEED, 2 * GAP_US, 8 * GAP_US);
+        let speeds = [Some([0, 100]), Some([100, 100]), None, Some([-50, -50])];
+        let path = area(&speeds, 2 * GAP_US, 8 * GAP_US);
         assert_eq!(
             path,
             "M0 1H250L250 1H500L500 2H250L250 31H0ZM750 44H1000L1000 45H750Z"
         );
-        let is_split = |bucket_us| {
-            area(&motor, CURRENT, bucket_us, 4 * bucket_us)
-                .matches('Z')
-                .count()
-                == 2
-        };
+        let is_split =
+            |bucket_us| area(&speeds, bucket_us, 4 * bucket_us).matches('Z').count() == 2;
         assert_eq!([GAP_US, GAP_US + 1].map(is_split), [false, true]);
     }
 
     #[test]
-    fn no_replies_and_no_time_draw_nothing_outside() {
-        assert_eq!(area(&motor(vec![]), SPEED, 0, 0), "");
+    fn the_last_of_many_marks_is_drawn_and_no_place_twice() {
+        let times = (0..5_000).chain([1_000_000]);
         assert_eq!(
-            area(&motor(vec![Some([i16::MIN, i16::MAX, 0, 0])]), SPEED, 1, 0),
-            "M0 2H1L1 60H0Z"
+            path(times, 1_000_000),
+            "M0 0V60M1 0V60M2 0V60M3 0V60M4 0V60M1000 0V60"
         );
+    }
+
+    #[test]
+    fn no_replies_and_no_time_draw_nothing_outside() {
+        assert_eq!(area(&[], 0, 0), "");
+        let widest = [Some([i16::MIN, i16::MAX])];
+        assert_eq!(area(&widest, 1, 0), "M0 2H1L1 60H0Z");
         assert_eq!([x(7, 0), x(u64::MAX, u64::MAX)], [0, 1_000]);
     }
 }

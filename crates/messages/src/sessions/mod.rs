@@ -179,9 +179,10 @@ pub struct SessionMotor {
     pub faults: Faults,
     /// The highest temperature, in degrees Celsius.
     pub temperature_max_c: Option<u8>,
-    /// Least and greatest speed in rpm, then least and greatest current in raw units, of each bucket of time;
-    /// `None` without a reply.
-    pub buckets: Vec<Option<[i16; 4]>>,
+    /// Least and greatest speed in rpm of each bucket of time; `None` without a reply.
+    pub speeds: Vec<Option<[i16; 2]>>,
+    /// Least and greatest current in raw units of each bucket of time; `None` without a reply that has a current.
+    pub currents: Vec<Option<[i16; 2]>>,
 }
 
 /// An event of a session.

@@ -6,12 +6,9 @@ use motorlink_messages::sessions::Bookmark;
 use motorlink_protocol::Instant;
 
 use crate::{
-    overview::{MARKS_MAX, Mark, Overview},
+    overview::{BOOKMARKS_MAX, MARKS_MAX, Mark, Overview},
     record::EventKind,
 };
-
-/// Bookmarks of a file: more than a person sets.
-pub const BOOKMARKS_MAX: usize = 1_000;
 
 /// Letters of a note: a paragraph.
 pub const BOOKMARK_TEXT_MAX: usize = 1_000;

@@ -16,7 +16,7 @@ use std::{collections::BTreeMap, ops::Range};
 
 use crc::Digest;
 
-pub use bookmarks::{BOOKMARK_TEXT_MAX, BOOKMARKS_MAX};
+pub use bookmarks::BOOKMARK_TEXT_MAX;
 use bookmarks::{Pending, sorted, with_bookmarks};
 use chunk::{Chunk, Events};
 use motorlink_messages::sessions::Bookmark;

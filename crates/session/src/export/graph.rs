@@ -16,8 +16,8 @@ pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
     pub(super) colour: &'static str,
-    /// Returns the least and greatest value of a bucket.
-    pub(super) of: fn(&Extent) -> (f64, f64),
+    /// Returns the least and greatest value of a bucket, if it has any.
+    pub(super) of: fn(&Extent) -> Option<(f64, f64)>,
 }
 
 /// The quantities, in their order.
@@ -26,17 +26,15 @@ pub(super) const QUANTITIES: [Quantity; 2] = [
         name: "Speed",
         unit: "rpm",
         colour: "#0072b2",
-        of: |extent| (extent.speed.0.rpm().into(), extent.speed.1.rpm().into()),
+        of: |extent| Some((extent.speed.0.rpm().into(), extent.speed.1.rpm().into())),
     },
     Quantity {
         name: "Current",
         unit: "A",
         colour: "#d55e00",
         of: |extent| {
-            (
-                extent.current.0.amps().into(),
-                extent.current.1.amps().into(),
-            )
+            let (least, most) = extent.current?;
+            Some((least.amps().into(), most.amps().into()))
         },
     },
 ];
@@ -47,14 +45,16 @@ pub(super) fn graph(overview: &Overview, motor: &MotorOverview, quantity: &Quant
     let bucket = overview.bucket().as_secs_f64();
     let extremes = motor
         .extent()
-        .map_or((0.0, 0.0), |extent| (quantity.of)(&extent));
+        .and_then(|extent| (quantity.of)(&extent))
+        .unwrap_or_default();
     let (low, high) = (extremes.0.min(0.0), extremes.1.max(0.0));
     let span = (high - low).max(1e-3);
     let y = |value: f64| MARGIN + (high - value) / span * (HEIGHT - 2.0 * MARGIN);
     let mut path = String::new();
     for (number, extent) in (0_u32..).zip(motor.buckets()) {
-        let Some(extent) = extent else { continue };
-        let (least, greatest) = (quantity.of)(extent);
+        let Some((least, greatest)) = extent.as_ref().and_then(quantity.of) else {
+            continue;
+        };
         let x = f64::from(number) * bucket / duration * WIDTH;
         // Half a pixel more on each side, so that a constant value is visible.
         let (top, bottom) = (y(greatest) - 0.5, y(least) + 0.5);

@@ -110,7 +110,8 @@ fn motor_section(overview: &Overview, id: MotorId, motor: &MotorOverview) -> Vec
     let unknown = || "unknown".to_owned();
     let extent = motor.extent();
     let speed = extent.map(|extent| format!("{} to {}", extent.speed.0, extent.speed.1));
-    let current = extent.map(|extent| format!("{} to {}", extent.current.0, extent.current.1));
+    let current = extent.and_then(|extent| extent.current);
+    let current = current.map(|(least, most)| format!("{least} to {most}"));
     let temperature = motor
         .temperature_max_c
         .map(|degrees| format!("{degrees} °C"));

@@ -9,7 +9,7 @@ mod stored;
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::LineEventKind;
-use motorlink_protocol::{Instant, MotorId, Reply, Request};
+use motorlink_protocol::{Instant, Layout, MotorId, Reply, Request, family::Model};
 
 use crate::record::{EventKind, Record, What};
 
@@ -20,6 +20,9 @@ pub const BUCKETS_MAX: usize = 2_048;
 
 /// Maximal number of marks. Later ones are only counted.
 pub const MARKS_MAX: usize = 4_096;
+
+/// Bookmarks of a file: more than a person sets.
+pub const BOOKMARKS_MAX: usize = 1_000;
 
 /// Initial length of a bucket in microseconds. It doubles whenever there are too many buckets.
 const BUCKET_US: u64 = 1_000;
@@ -34,6 +37,10 @@ pub struct Overview {
     last: Option<(Instant, u64)>,
     motors: BTreeMap<MotorId, MotorOverview>,
     marks: Vec<Mark>,
+    /// How many of the marks are bookmarks.
+    bookmarks: usize,
+    /// The model of the following records. It is not stored.
+    model: Model,
     /// Number of marks beyond [`MARKS_MAX`].
     pub marks_left_out: u64,
     /// Frames and other events of the bus.
@@ -58,6 +65,8 @@ impl Default for Overview {
             last: None,
             motors: BTreeMap::new(),
             marks: Vec::new(),
+            bookmarks: 0,
+            model: Model::default(),
             marks_left_out: 0,
             line_events: 0,
             sent: 0,
@@ -92,14 +101,39 @@ impl Overview {
         let after = record.at.since(first);
         match &record.what {
             What::Line(kind) => self.line(after, kind),
-            What::Event(event) if self.marks.len() < MARKS_MAX => self.marks.push(Mark {
-                after,
-                kind: event.kind,
-                error: event.error,
-                text: event.text.clone(),
-            }),
-            What::Event(_) => self.marks_left_out += 1,
+            What::Event(event) => {
+                if self.has_room_for(event.kind) {
+                    self.bookmarks += usize::from(event.kind == EventKind::Bookmark);
+                    self.marks.push(Mark {
+                        after,
+                        kind: event.kind,
+                        error: event.error,
+                        text: event.text.clone(),
+                    });
+                } else {
+                    self.marks_left_out += 1;
+                }
+            }
         }
+    }
+
+    /// Whether another mark of this kind has room. Bookmarks are of the user, and a copy of the file has only those of
+    /// the overview: other events give way.
+    fn has_room_for(&mut self, kind: EventKind) -> bool {
+        if kind != EventKind::Bookmark {
+            return self.marks.len() < MARKS_MAX;
+        }
+        if self.bookmarks == BOOKMARKS_MAX {
+            return false;
+        }
+        if self.marks.len() == MARKS_MAX {
+            let mut kinds = self.marks.iter().map(|mark| mark.kind);
+            if let Some(last) = kinds.rposition(|kind| kind != EventKind::Bookmark) {
+                self.marks.remove(last);
+                self.marks_left_out += 1;
+            }
+        }
+        true
     }
 
     fn line(&mut self, after: Duration, kind: &LineEventKind) {
@@ -116,15 +150,18 @@ impl Overview {
             LineEventKind::Received { frame, asked } => {
                 self.received += 1;
                 if let Ok(reply) = Reply::decode(frame, *asked) {
-                    let bucket = self.bucket_of(after);
-                    self.motor(reply.id).replied(bucket, &reply);
+                    self.replied(after, &reply, true);
                 }
             }
-            LineEventKind::Commanded { .. } | LineEventKind::ModelSelected(_) => {}
+            LineEventKind::Commanded { .. } => {}
+            LineEventKind::ModelSelected(model) => self.set_model(*model),
             LineEventKind::Reading { frame, asked } => {
                 if let Ok(reply) = Reply::decode(frame, *asked) {
-                    let bucket = self.bucket_of(after);
-                    self.motor(reply.id).replied(bucket, &reply);
+                    // Only a drive reply in separate frames has a current. It is the one with a temperature. The others
+                    // repeat the last current, or have 0 A for an unknown one.
+                    let has_current =
+                        !self.model.has_separate_frames() || *asked == Some(Layout::Query);
+                    self.replied(after, &reply, has_current);
                 }
             }
             LineEventKind::Junk(_) => self.junk += 1,
@@ -134,6 +171,16 @@ impl Overview {
             }
             LineEventKind::NotSent { .. } => self.not_sent += 1,
         }
+    }
+
+    /// The following records are of this model.
+    pub(crate) const fn set_model(&mut self, model: Model) {
+        self.model = model;
+    }
+
+    fn replied(&mut self, after: Duration, reply: &Reply, has_current: bool) {
+        let bucket = self.bucket_of(after);
+        self.motor(reply.id).replied(bucket, reply, has_current);
     }
 
     fn motor(&mut self, id: MotorId) -> &mut MotorOverview {
@@ -186,6 +233,7 @@ impl Overview {
 
     /// Replaces the events, and adds to the number of those that are left out.
     pub(crate) fn set_marks(&mut self, marks: Vec<Mark>, left_out: u64) {
+        self.bookmarks = bookmarks_in(&marks);
         self.marks = marks;
         self.marks_left_out += left_out;
     }
@@ -195,6 +243,11 @@ impl Overview {
     pub fn marks(&self) -> &[Mark] {
         &self.marks
     }
+}
+
+fn bookmarks_in(marks: &[Mark]) -> usize {
+    let bookmarks = marks.iter().filter(|mark| mark.kind == EventKind::Bookmark);
+    bookmarks.count()
 }
 
 #[cfg(test)]

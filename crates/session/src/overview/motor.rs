@@ -23,15 +23,15 @@ pub struct MotorOverview {
 pub struct Extent {
     /// Least and greatest speed.
     pub speed: (Rpm, Rpm),
-    /// Least and greatest current.
-    pub current: (Current, Current),
+    /// Least and greatest current; `None` if no reply has one.
+    pub current: Option<(Current, Current)>,
 }
 
 impl Extent {
-    const fn of(reply: &Reply) -> Self {
+    fn of(reply: &Reply, has_current: bool) -> Self {
         Self {
             speed: (reply.speed, reply.speed),
-            current: (reply.current, reply.current),
+            current: has_current.then_some((reply.current, reply.current)),
         }
     }
 
@@ -39,7 +39,10 @@ impl Extent {
         let (a, b) = (self, other);
         Self {
             speed: (a.speed.0.min(b.speed.0), a.speed.1.max(b.speed.1)),
-            current: (a.current.0.min(b.current.0), a.current.1.max(b.current.1)),
+            current: match (a.current, b.current) {
+                (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+                (one, other) => one.or(other),
+            },
         }
     }
 
@@ -52,7 +55,7 @@ impl Extent {
 }
 
 impl MotorOverview {
-    pub(super) fn replied(&mut self, bucket: usize, reply: &Reply) {
+    pub(super) fn replied(&mut self, bucket: usize, reply: &Reply, has_current: bool) {
         self.replies += 1;
         self.faults = Faults::from_byte(self.faults.byte() | reply.faults.byte());
         if let Detail::Query { temperature, .. } = reply.detail {
@@ -62,7 +65,7 @@ impl MotorOverview {
             self.buckets.resize(bucket + 1, None);
         }
         if let Some(slot) = self.buckets.get_mut(bucket) {
-            *slot = Extent::joined(*slot, Some(Extent::of(reply)));
+            *slot = Extent::joined(*slot, Some(Extent::of(reply, has_current)));
         }
     }
 

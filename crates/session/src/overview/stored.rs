@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Current, Faults, Instant, MotorId, Rpm};
+use motorlink_protocol::{Current, Faults, Instant, MotorId, Rpm, family::Model};
 use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
 
-use super::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
+use super::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview, bookmarks_in};
 use crate::{channels::integer, record::EventKind};
 
 /// The version of the format. An overview of another version is computed again.
@@ -15,7 +15,9 @@ impl DisplayJson for Extent {
     fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
         f.array(|f| {
             f.elements([self.speed.0.rpm(), self.speed.1.rpm()])?;
-            f.elements([self.current.0.raw(), self.current.1.raw()])
+            // Without a current the bucket has two numbers.
+            let current = self.current.map(|(least, most)| [least.raw(), most.raw()]);
+            f.elements(current.into_iter().flatten())
         })
     }
 }
@@ -95,13 +97,16 @@ impl Overview {
         let (first, last) = (moment("first")?, moment("last")?);
         let elements = |name| value.to_member(name).ok()?.optional()?.to_array().ok();
         let marks = elements("marks")?.take(MARKS_MAX).map(mark);
+        let marks = marks.collect::<Option<Vec<_>>>()?;
         let motors = elements("motors")?.map(motor);
         Some(Self {
             bucket_us: number("bucket_us").filter(|bucket| *bucket > 0)?,
             first,
             last,
             motors: motors.collect::<Option<_>>()?,
-            marks: marks.collect::<Option<_>>()?,
+            bookmarks: bookmarks_in(&marks),
+            marks,
+            model: Model::default(),
             marks_left_out: number("marks_left_out")?,
             line_events: number("line_events")?,
             sent: number("sent")?,
@@ -168,12 +173,19 @@ fn motor(motor: RawJsonValue<'_, '_>) -> Option<(MotorId, MotorOverview)> {
 
 /// Parses the values of a bucket.
 fn extent(bucket: RawJsonValue<'_, '_>) -> Option<Extent> {
+    if let Some([least, most]) = numbers(bucket) {
+        return Some(Extent {
+            speed: (Rpm::new(least), Rpm::new(most)),
+            current: None,
+        });
+    }
     let [speed_min, speed_max, current_min, current_max] = numbers(bucket)?;
+    let current = (
+        Current::from_raw(current_min),
+        Current::from_raw(current_max),
+    );
     Some(Extent {
         speed: (Rpm::new(speed_min), Rpm::new(speed_max)),
-        current: (
-            Current::from_raw(current_min),
-            Current::from_raw(current_max),
-        ),
+        current: Some(current),
     })
 }

@@ -1,4 +1,4 @@
-use motorlink_protocol::{Current, Frame, Layout, Rpm};
+use motorlink_protocol::{Current, Frame, Rpm};
 use proptest::prelude::*;
 
 use super::*;
@@ -87,6 +87,42 @@ fn marks_have_a_bound() {
 }
 
 #[test]
+fn bookmarks_are_kept_where_other_events_give_way() {
+    let event = |n, kind| record(n, What::Event(Event::new(kind, "x")));
+    let events = (0..MARKS_MAX as u64 + 3).map(|n| event(n, EventKind::Notice));
+    let bookmarks = (0..BOOKMARKS_MAX as u64 + 2).map(|n| event(9_000 + n, EventKind::Bookmark));
+    let overview = overview(&events.chain(bookmarks).collect::<Vec<_>>());
+    assert_eq!(bookmarks_in(overview.marks()), BOOKMARKS_MAX);
+    assert_eq!(overview.marks().len(), MARKS_MAX);
+    assert_eq!(overview.marks_left_out, 3 + BOOKMARKS_MAX as u64 + 2);
+    let stored = Overview::from_json(overview.to_json().as_bytes());
+    assert_eq!(stored, Some(overview));
+}
+
+#[test]
+fn a_reply_in_separate_frames_without_a_current_is_not_zero_amps() {
+    let select = What::Line(LineEventKind::ModelSelected(Model::Ddsm210));
+    let reading = |at_us, asked| {
+        let frame = reply_frame(1, 5);
+        record(at_us, What::Line(LineEventKind::Reading { frame, asked }))
+    };
+    let of = |records: &[Record]| {
+        let overview = overview(records);
+        let stored = Overview::from_json(overview.to_json().as_bytes()).unwrap();
+        let (_, motor) = stored.motors().next().unwrap();
+        (motor.replies, motor.extent().unwrap().current)
+    };
+    let (odometry, drive) = (Some(Layout::Drive), Some(Layout::Query));
+    let measured = Some((Current::from_raw(9), Current::from_raw(9)));
+    let select = record(0, select);
+    let without = [select.clone(), reading(1, odometry), reading(2, None)];
+    assert_eq!(of(&without), (2, None));
+    let with = [select, reading(1, odometry), reading(2, drive)];
+    assert_eq!(of(&with), (2, measured));
+    assert_eq!(of(&[reading(1, odometry)]), (1, measured), "of a DDSM115");
+}
+
+#[test]
 fn readings_alone_have_a_time() {
     let (frame, asked) = (reply_frame(1, 5), Some(Layout::Query));
     let reading = |at_us| record(at_us, What::Line(LineEventKind::Reading { frame, asked }));
@@ -108,7 +144,7 @@ proptest! {
             let extremes = (speeds.clone().min().map(Rpm::new), speeds.max().map(Rpm::new));
             let extent = motor.extent().unwrap();
             prop_assert_eq!((Some(extent.speed.0), Some(extent.speed.1)), extremes);
-            prop_assert_eq!(extent.current, (Current::from_raw(9), Current::from_raw(9)));
+            prop_assert_eq!(extent.current, Some((Current::from_raw(9), Current::from_raw(9))));
             prop_assert_eq!(motor.temperature_max_c, Some(30));
         }
         prop_assert_eq!(Overview::from_json(overview.to_json().as_bytes()), Some(overview));

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
 use motorlink_protocol::MotorId;
-use motorlink_session::{EventKind, Extent, Mark, MotorOverview};
+use motorlink_session::{EventKind, Mark, MotorOverview};
 
 use super::open_session::OpenSession;
 
@@ -36,22 +36,23 @@ pub(super) fn info(open: &OpenSession) -> SessionInfo {
 }
 
 fn motor((id, motor): (MotorId, &MotorOverview)) -> SessionMotor {
-    let bucket = |extent: Extent| {
-        let (speed, current) = (extent.speed, extent.current);
-        [
-            speed.0.rpm(),
-            speed.1.rpm(),
-            current.0.raw(),
-            current.1.raw(),
-        ]
-    };
+    let buckets = motor.buckets().iter();
+    let speeds = buckets.clone().map(|bucket| {
+        let (least, most) = (*bucket)?.speed;
+        Some([least.rpm(), most.rpm()])
+    });
+    let currents = buckets.map(|bucket| {
+        let (least, most) = (*bucket)?.current?;
+        Some([least.raw(), most.raw()])
+    });
     SessionMotor {
         id,
         replies: motor.replies,
         lost: motor.lost,
         faults: motor.faults,
         temperature_max_c: motor.temperature_max_c,
-        buckets: motor.buckets().iter().map(|one| one.map(bucket)).collect(),
+        speeds: speeds.collect(),
+        currents: currents.collect(),
     }
 }
 
