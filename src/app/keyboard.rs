@@ -107,6 +107,9 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
     }
 }
 
+/// What Escape ends before a panel, while it has the focus: the text of a filter, the note of a bookmark.
+const FIRST_TO_ESCAPE: &str = "[type=search]:focus:not(:placeholder-shown),.replay-bookmark :focus";
+
 /// Closes the innermost open thing: a dialog, the text of the focused filter, a panel. Returns false if the focused
 /// control has to do it, or if nothing is open.
 fn close_one(page: Page) -> bool {
@@ -116,8 +119,8 @@ fn close_one(page: Page) -> bool {
     } else if dialog.is_some() {
         page.decline();
     } else {
-        let filter = document().query_selector("[type=search]:focus:not(:placeholder-shown)");
-        if page.drawer.get_untracked().is_none() || matches!(filter, Ok(Some(_))) {
+        let inner = document().query_selector(FIRST_TO_ESCAPE);
+        if page.drawer.get_untracked().is_none() || matches!(inner, Ok(Some(_))) {
             return false;
         }
         page.drawer.set(None);

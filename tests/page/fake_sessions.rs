@@ -101,14 +101,15 @@ pub async fn until_said(bench: &Bench, text: &str) {
     bench.until(text, says).await;
 }
 
-fn motor(id: u8, replies: u64, buckets: Vec<Option<[i16; 4]>>) -> SessionMotor {
+fn motor(id: u8, replies: u64, seconds: usize) -> SessionMotor {
     SessionMotor {
         id: MotorId::new(id).unwrap(),
         replies,
         lost: 10,
         faults: Faults::from_byte(8),
         temperature_max_c: Some(41),
-        buckets,
+        speeds: vec![Some([-100, 200]); seconds],
+        currents: vec![Some([0, 3_000]); seconds],
     }
 }
 
@@ -134,10 +135,7 @@ pub fn info() -> SessionInfo {
         received: 5_990,
         lost: 10,
         junk: 0,
-        motors: vec![
-            motor(1, 5_990, vec![Some([-100, 200, 0, 3_000]); 65]),
-            motor(2, 0, Vec::new()),
-        ],
+        motors: vec![motor(1, 5_990, 65), motor(2, 0, 0)],
         marks: vec![mark(2_000_000), mark(4_000_000)],
         marks_left_out: 3,
         problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],

@@ -13,7 +13,7 @@ use web_sys::{Blob, MessageChannel};
 
 use crate::{
     features::session::{
-        bookmarks::Bookmarks,
+        bookmarks::{Bookmarks, Closing},
         incoming::Incoming,
         player::{Instruments, Link, Player},
         readiness::not_kept,
@@ -27,6 +27,7 @@ use crate::{
     ui::{
         clock::{local_date, local_time, page_now_ms, page_origin_ms},
         download::save_blob,
+        listener::on_window,
         reactive::effect,
     },
 };
@@ -53,6 +54,8 @@ pub(crate) struct SessionFiles {
     is_posted: RwSignal<bool>,
     /// The content of the open file.
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
+    /// The name of the file whose bookmarks stay although its worker has ended; else empty.
+    lost: StoredValue<String>,
     /// What the panel says about saving.
     pub(super) saved: RwSignal<Said>,
     /// What the panel says about the open file.
@@ -86,6 +89,7 @@ impl SessionFiles {
                     is_posted: RwSignal::new(false),
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
+                    lost: StoredValue::default(),
                     saved: RwSignal::default(),
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
@@ -93,6 +97,12 @@ impl SessionFiles {
                     shareable: Shareable::new(),
                 };
                 provide_context(new);
+                // The browser asks before it closes or reloads the page.
+                on_window("beforeunload", move |event| {
+                    if player.bookmarks.with_untracked(Bookmarks::are_changed) {
+                        event.prevent_default();
+                    }
+                });
                 new
             })
         })
@@ -162,12 +172,20 @@ impl SessionFiles {
                 self.discard_chosen();
                 self.saved.set(Said::default());
                 self.reading.set(None);
-                self.open.set(None);
-                self.player.bookmarks.set(Bookmarks::default());
-                self.say(
-                    true,
-                    tr!("Reading and writing of session files has stopped. Try again."),
-                );
+                let open = self.open.try_update(Option::take).flatten();
+                let mut said =
+                    tr!("Reading and writing of session files has stopped. Try again.").to_owned();
+                let bookmarks = self.player.bookmarks;
+                if bookmarks.with_untracked(Bookmarks::are_changed) {
+                    if let Some(open) = open {
+                        self.lost.set_value(open.name.clone());
+                    }
+                    said += " ";
+                    said += tr!("Open the file again to keep its bookmarks.");
+                } else {
+                    bookmarks.set(Bookmarks::default());
+                }
+                self.say(true, said);
             }
         });
     }
@@ -259,8 +277,9 @@ impl SessionFiles {
     }
 
     /// Whether the open file may close. Warns if its bookmarks would be lost.
-    fn may_close(self) -> bool {
-        let may_close = self.player.bookmarks.try_update(Bookmarks::may_close);
+    fn may_close(self, at: Closing) -> bool {
+        let bookmarks = self.player.bookmarks;
+        let may_close = bookmarks.try_update(|bookmarks| bookmarks.may_close(at));
         let may_close = may_close.unwrap_or(true);
         if !may_close {
             self.say(
@@ -285,28 +304,31 @@ impl SessionFiles {
         );
     }
 
-    /// Opens a file.
+    /// Opens a file. The one before stays open until the worker has found that this is a session.
     pub(super) fn open_file(self, file: &JsValue) {
-        if !self.may_close() {
+        let name = Reflect::get(file, &"name".into()).ok();
+        let name = name.and_then(|name| name.as_string()).unwrap_or_default();
+        if !self.is_lost(&name) && !self.may_close(Closing::AnotherFile) {
             return;
         }
         if !self.start_worker() {
             return;
         }
-        self.player.end();
-        let name = Reflect::get(file, &"name".into()).ok();
-        let name = name.and_then(|name| name.as_string()).unwrap_or_default();
-        self.open.set(None);
-        self.player.bookmarks.set(Bookmarks::default());
         self.reading.set(Some(0));
         self.say(false, tr!("Opening {name}", name = name.clone()));
         let message = ToSessions::Open { name };
         self.post(&message, std::slice::from_ref(file), &[]);
     }
 
+    /// Whether the bookmarks are those of this file, whose worker has ended.
+    fn is_lost(self, name: &str) -> bool {
+        self.lost
+            .with_value(|lost| !lost.is_empty() && lost == name)
+    }
+
     /// Closes the open file. Its worker ends, which frees its memory, unless a session is being saved.
     pub(super) fn close(self) {
-        if !self.may_close() {
+        if !self.may_close(Closing::CloseFile) {
             return;
         }
         self.player.end();
@@ -358,7 +380,16 @@ impl SessionFiles {
             FromSessions::Opened(info) => {
                 self.reading.set(None);
                 self.say(false, tr!("Opened {name}", name = info.name.clone()));
-                self.player.bookmarks.set(Bookmarks::of(&info));
+                self.player.end();
+                let is_lost = self.is_lost(&info.name);
+                self.lost.set_value(String::new());
+                self.player.bookmarks.update(|bookmarks| {
+                    if is_lost {
+                        bookmarks.reopened(&info);
+                    } else {
+                        *bookmarks = Bookmarks::of(&info);
+                    }
+                });
                 self.open.set(Some(Rc::new(*info)));
             }
             FromSessions::NotOpened(why) => {

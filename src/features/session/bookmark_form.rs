@@ -6,42 +6,55 @@ use web_sys::KeyboardEvent;
 
 use crate::{
     features::session::{
-        bookmarks::{Draft, NOTE_MAX},
+        bookmarks::{Bookmarks, Draft, NOTE_MAX},
         player::Player,
         texts,
     },
     ui::{
         button::PressButton,
-        reactive::{effect, handler},
+        reactive::{effect, handler, memo},
     },
 };
 
 /// The form, while a note is written.
 pub(super) fn bookmark_form(player: Player) -> impl IntoView {
+    // Only the number: a form that is made again for other changes of the bookmarks would take the focus.
+    let number = memo(move || {
+        let bookmarks = player.bookmarks;
+        bookmarks.with(|bookmarks| bookmarks.draft().map(|draft| draft.number))
+    });
     move || {
-        let draft = player.bookmarks.with(|bookmarks| bookmarks.draft.clone());
+        number.get()?;
+        let draft = player
+            .bookmarks
+            .with_untracked(|bookmarks| bookmarks.draft().cloned());
         draft.map(|draft| form(player, draft))
     }
 }
 
-fn form(player: Player, Draft { key, bookmark }: Draft) -> impl IntoView {
+fn form(player: Player, draft: Draft) -> impl IntoView {
+    let Draft { key, bookmark, .. } = draft;
     let field = NodeRef::<Input>::new();
     effect(move || {
         if let Some(field) = field.get() {
+            // The element may be that of the form before, with its text.
+            field.set_value(&bookmark.text);
             // A field that cannot take the focus is pressed by the user.
             let _ = field.focus();
         }
     });
-    let keep = move || {
-        if let Some(field) = field.get_untracked() {
-            let note = field.value();
-            player.bookmarks.update(|bookmarks| bookmarks.keep(&note));
-        }
+    // No one else shows the text while it is written.
+    let written = move |event| {
+        let note = event_target_value(&event);
+        let bookmarks = player.bookmarks;
+        bookmarks.update_untracked(|bookmarks| bookmarks.write(note));
     };
-    let cancel = move || player.bookmarks.update(|bookmarks| bookmarks.draft = None);
-    // Escape pauses the replay, or closes a panel, as everywhere.
+    let keep = move || player.end_note(Bookmarks::keep);
+    // Escape comes through the gate of the replay.
     let pressed_key = move |event: KeyboardEvent| {
         if event.key() == "Enter" && !event.is_composing() {
+            // It would press the button that gets the focus.
+            event.prevent_default();
             keep();
         }
     };
@@ -50,7 +63,7 @@ fn form(player: Player, Draft { key, bookmark }: Draft) -> impl IntoView {
             <PressButton
                 label=tr!("Delete bookmark")
                 class="button small"
-                on_press=move || player.bookmarks.update(|bookmarks| bookmarks.delete(key))
+                on_press=move || player.end_note(|bookmarks| bookmarks.delete(key))
             />
         }
     });
@@ -62,13 +75,17 @@ fn form(player: Player, Draft { key, bookmark }: Draft) -> impl IntoView {
                 aria-label=tr!("Note")
                 placeholder=tr!("Note")
                 maxlength=NOTE_MAX.to_string()
-                value=bookmark.text
                 node_ref=field
+                on:input=handler(written)
                 on:keydown=handler(pressed_key)
             />
             <PressButton label=tr!("Keep bookmark") class="button small primary" on_press=keep />
             {delete}
-            <PressButton label=tr!("Cancel") class="button small" on_press=cancel />
+            <PressButton
+                label=tr!("Cancel")
+                class="button small"
+                on_press=move || player.end_note(Bookmarks::cancel)
+            />
         </div>
     }
 }

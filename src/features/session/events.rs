@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// Events in the list, so that it stays short. The report has more. Bookmarks are always in it.
+/// Events in the list, so that it stays short. Bookmarks come on top of them: the list always has all of them.
 const EVENTS_MAX: usize = 200;
 
 /// The list, and how many events are not in it.
@@ -97,7 +97,9 @@ fn bookmark_row(player: Player, entry: &Entry) -> impl IntoView + use<> {
                 type="button"
                 class="button small session-edit"
                 aria-label=name
-                disabled=dynamic(move || player.info.with(Option::is_none))
+                disabled=dynamic(move || reason(player).is_some())
+                title=dynamic(move || reason(player))
+                aria-description=dynamic(move || reason(player))
                 on:click=handler(move |_| {
                     player.seek(after_us);
                     player.bookmarks.update(|bookmarks| bookmarks.edit(key));
@@ -109,12 +111,20 @@ fn bookmark_row(player: Player, entry: &Entry) -> impl IntoView + use<> {
     }
 }
 
+/// Why a button cannot be pressed: only a replay has places.
+fn reason(player: Player) -> Option<&'static str> {
+    let replays = player.info.with(Option::is_some);
+    (!replays).then(|| tr!("Press Replay first."))
+}
+
 fn place(player: Player, after_us: u64, words: AnyView) -> impl IntoView {
     view! {
         <button
             type="button"
             class="session-event"
-            disabled=dynamic(move || player.info.with(Option::is_none))
+            disabled=dynamic(move || reason(player).is_some())
+            title=dynamic(move || reason(player))
+            aria-description=dynamic(move || reason(player))
             on:click=handler(move |_| player.seek(after_us))
         >
             <span class="session-time">{texts::elapsed(after_us)}</span>

@@ -13,6 +13,7 @@
 //! | `replay_bar` | the controls of the replay |
 //! | `bookmarks` | the bookmarks of the open file |
 //! | `bookmark_form` | the note of a bookmark, in the controls of the replay |
+//! | `texts` | the texts of the panel and the replay |
 //! | `panel` | the panel `Session file` |
 //! | `content` | what is in an open file |
 //! | `events` | the list of events and bookmarks |

@@ -62,7 +62,7 @@ pub(crate) type Instruments = Box<dyn Fn(Show<'_>)>;
 
 /// The replay of the open session.
 ///
-/// A pointer to plain values: stored values of types that the first program stores too would add to it.
+/// A plain pointer: typed stored values would enlarge the first program.
 #[derive(Clone, Copy)]
 pub(crate) struct Player(&'static Parts);
 
@@ -228,6 +228,7 @@ impl Player {
         self.plays_again.store(false, Relaxed);
         self.unreadable.set(false);
         self.frame.set(None);
+        self.bookmarks.update(Bookmarks::forget_warning);
         self.info.set(Some(Rc::clone(info)));
         replay::set_gate(Rc::new(move |message| self.keeps(message)));
         let clock = Clock::of_recording(wall_ms, first, page_now_ms(), 0.0);
@@ -248,7 +249,7 @@ impl Player {
             return;
         }
         self.post(ToReplay::End);
-        self.bookmarks.update(|bookmarks| bookmarks.draft = None);
+        self.bookmarks.update(Bookmarks::end_draft);
         self.info.set(None);
         // What this reports is kept out of the log.
         self.show(Show::Close);

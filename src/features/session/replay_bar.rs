@@ -10,7 +10,9 @@ use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
-    features::session::{bookmark_form::bookmark_form, player::Player, texts, timeline::strip},
+    features::session::{
+        bookmark_form::bookmark_form, bookmarks::Bookmarks, player::Player, texts, timeline::strip,
+    },
     ui::{
         button::PressButton,
         format::in_language,
@@ -216,6 +218,9 @@ fn steps(player: Player) -> impl IntoView {
             <PressButton
                 label=tr!("Add bookmark")
                 class="button small replay-add"
+                disabled_reason=Signal::derive(move || {
+                    player.bookmarks.with(Bookmarks::are_full).then(texts::bookmarks_full)
+                })
                 on_press=move || player.add_bookmark()
             />
         </div>

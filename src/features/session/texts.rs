@@ -4,6 +4,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::sessions::{NotASession, NotSaved, Problem, SessionExport};
 
 use crate::{
+    features::session::bookmarks::BOOKMARKS_MAX,
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };
@@ -15,6 +16,14 @@ pub(super) fn of_saved(name: &str, bytes: u64, records: u64) -> String {
         name,
         size = size(bytes),
         records = grouped(records)
+    )
+}
+
+/// Why there is no room for another bookmark.
+pub(super) fn bookmarks_full() -> String {
+    tr!(
+        "A file has at most {count} bookmarks. Delete one first.",
+        count = grouped(BOOKMARKS_MAX as u64)
     )
 }
 

@@ -1,16 +1,21 @@
 //! Bookmarks of a recording: set, changed, deleted, and saved into a copy.
 
+use std::{cell::Cell, rc::Rc};
+
+use js_sys::Reflect;
 use motorlink_messages::sessions::{
     Bookmark, FromSessions, SessionExport, SessionMark, ToReplay, ToSessions,
 };
+use wasm_bindgen::{JsCast, prelude::Closure};
 use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{Event, HtmlInputElement};
 
 use crate::{
-    bench::{Bench, pause, text_of},
+    bench::{Bench, document, pause, text_of},
     fake_sessions::{FakeSessions, drop_file, info, until_said},
 };
 
-use super::{begin, end_button, opened, post, replaying, update};
+use super::{begin, end_button, of_replay, opened, post, replaying, update};
 
 /// Presses a key in the field for the note.
 fn key_in_note(bench: &Bench, key: &str) {
@@ -26,10 +31,26 @@ fn key_in_note(bench: &Bench, key: &str) {
         .unwrap();
 }
 
+fn asks(bench: &Bench) -> bool {
+    !bench.find_all("textbox", "Note").is_empty()
+}
+
+/// Presses `Edit` of the bookmark at this time.
+async fn edit(bench: &Bench, time: &str, note: &str) {
+    bench.click(&format!("Edit bookmark at {time}"));
+    let is_open = || note_of(bench).as_deref() == Some(note);
+    bench.until(note, is_open).await;
+}
+
+/// The text of the field for the note.
+fn note_of(bench: &Bench) -> Option<String> {
+    let field = bench.find_all("textbox", "Note").into_iter().next()?;
+    Some(field.unchecked_into::<HtmlInputElement>().value())
+}
+
 async fn add(bench: &Bench, note: &str) {
     bench.click("Add bookmark");
-    let asks = || !bench.find_all("textbox", "Note").is_empty();
-    bench.until("the note", asks).await;
+    bench.until("the note", || asks(bench)).await;
     bench.enter_into("textbox", "Note", note);
     bench.click("Keep bookmark");
     until_listed(bench, note).await;
@@ -186,4 +207,116 @@ async fn bookmarks_of_a_file_are_shown_and_can_be_changed() {
     begin(&sessions, &bench).await;
     let copy = saved_copy(&sessions, &bench).await;
     assert_eq!(copy, [bookmark(3_000_000, "from the file")]);
+}
+
+#[wasm_bindgen_test]
+async fn a_note_stays_with_its_bookmark_when_another_one_is_edited() {
+    let (sessions, bench) = replaying("bookmark-two").await;
+    add(&bench, "first").await;
+    post(&sessions, update(9_000, 50, false));
+    let arrived = || bench.text("status", "Place").starts_with("0:09.000");
+    bench.until("the place", arrived).await;
+    add(&bench, "second").await;
+    edit(&bench, "0:02.000", "first").await;
+    bench.enter_into("textbox", "Note", "first, changed");
+    edit(&bench, "0:09.000", "second").await;
+    key_in_note(&bench, "Enter");
+    bench.until("the form", || !asks(&bench)).await;
+    sessions.received().await;
+    let copy = saved_copy(&sessions, &bench).await;
+    let expected = [
+        bookmark(2_000_000, "first, changed"),
+        bookmark(9_000_000, "second"),
+    ];
+    assert_eq!(copy, expected);
+}
+
+#[wasm_bindgen_test]
+async fn escape_cancels_only_the_note_and_the_focus_goes_to_add() {
+    let (sessions, bench) = replaying("bookmark-escape").await;
+    bench.click("Add bookmark");
+    bench.until("the note", || asks(&bench)).await;
+    let is_focused = |role, name| {
+        let focused = document().active_element();
+        focused.as_ref() == Some(bench.find(role, name).as_ref())
+    };
+    let in_note = || is_focused("textbox", "Note");
+    bench.until("the focus", in_note).await;
+    bench.enter_into("textbox", "Note", "given up");
+    sessions.received().await;
+    key_in_note(&bench, "Escape");
+    bench.until("the form", || !asks(&bench)).await;
+    assert!(is_focused("button", "Add bookmark"));
+    let sent = of_replay(sessions.received().await);
+    assert!(sent.is_empty(), "the replay goes on: {sent:?}");
+    // The panel is still open.
+    assert!(!bench.text("list", "Events").contains("given up"));
+}
+
+/// How many pages ask before the document closes: those of other tests may be among them.
+fn pages_that_ask() -> u32 {
+    let event = Event::new("beforeunload").unwrap();
+    let times = Rc::new(Cell::new(0));
+    let count = Closure::<dyn Fn()>::new({
+        let times = Rc::clone(&times);
+        move || times.set(times.get() + 1)
+    });
+    Reflect::set(&event, &"preventDefault".into(), count.as_ref()).unwrap();
+    let window = web_sys::window().unwrap();
+    window.dispatch_event(&event).unwrap();
+    times.get()
+}
+
+#[wasm_bindgen_test]
+async fn a_written_note_is_kept_at_the_end_of_the_replay_and_the_page_asks_before_it_closes() {
+    let (sessions, bench) = replaying("bookmark-written").await;
+    let others = pages_that_ask();
+    let asks_to_leave = || pages_that_ask() > others;
+    bench.click("Add bookmark");
+    bench.until("the note", || asks(&bench)).await;
+    bench.enter_into("textbox", "Note", "half a sentence");
+    assert!(asks_to_leave());
+    end_button(&bench).click();
+    until_listed(&bench, "half a sentence").await;
+    assert!(asks_to_leave());
+    let place = bench.find("button", "0:02.000 Bookmark half a sentence");
+    assert!(place.has_attribute("disabled"));
+    let reason = place.get_attribute("title").unwrap();
+    assert_eq!(reason, "Press Replay first.");
+    sessions.received().await;
+    let copy = saved_copy(&sessions, &bench).await;
+    assert_eq!(copy, [bookmark(2_000_000, "half a sentence")]);
+    let exported = FromSessions::Exported {
+        what: SessionExport::Copy,
+        problems: vec![],
+    };
+    sessions.post_file(&exported, "the copy");
+    until_said(&bench, "Exported").await;
+    assert!(!asks_to_leave());
+}
+
+#[wasm_bindgen_test]
+async fn a_wrong_file_leaves_the_replay_and_a_failed_worker_the_bookmarks() {
+    let (sessions, bench) = replaying("bookmark-worker").await;
+    drop_file("paper.pdf");
+    sessions.next().await;
+    sessions.post(&FromSessions::NotOpened(None));
+    bench
+        .until("the text", || {
+            !bench.text("status", "Session file").contains("Opening")
+        })
+        .await;
+    assert!(!bench.find_all("region", "Replay").is_empty());
+    add(&bench, "kept").await;
+    sessions.post(&FromSessions::Died);
+    until_said(&bench, "Open the file again to keep its bookmarks.").await;
+    sessions.received().await;
+    drop_file(&info().name);
+    let opens = sessions.received().await;
+    let is_open = |message: &ToSessions| matches!(message, ToSessions::Open { .. });
+    assert!(opens.iter().any(is_open), "{opens:?}");
+    sessions.post(&FromSessions::Opened(Box::new(info())));
+    until_listed(&bench, "kept").await;
+    bench.click("Close file");
+    until_said(&bench, "The bookmarks are not saved").await;
 }

@@ -101,10 +101,6 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             let Ok(file) = parts.get(1).dyn_into::<File>() else {
                 return post(&FromSessions::Cancelled);
             };
-            {
-                let worker = &mut *shared.borrow_mut();
-                (worker.open, worker.replay) = (None, None);
-            }
             let (shared, task) = (Rc::clone(shared), begin_reading(shared));
             spawn_local(async move { opening::open(&shared, task, name, file).await });
         }

@@ -16,7 +16,7 @@ use crate::blob_parts::Parts;
 /// Bytes of a CSV file that are read at once.
 const CSV_PIECE: u64 = 1 << 20;
 
-/// Opens a file, and posts what is in it.
+/// Opens a file, and posts what is in it. Until then, and if it is not a session, the one before stays open.
 pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
     let opened = try_open(shared, task, name, file).await;
     if is_ended(shared, task) {
@@ -25,7 +25,10 @@ pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
     match opened {
         Ok(open) => {
             let about = info(&open);
-            shared.borrow_mut().open = Some(open.into());
+            {
+                let worker = &mut *shared.borrow_mut();
+                (worker.open, worker.replay) = (Some(open.into()), None);
+            }
             post(&FromSessions::Opened(Box::new(about)));
         }
         Err(why) => post_not_opened(&why),

@@ -85,7 +85,7 @@ pub(super) fn post(message: &FromSessions) {
     }
 }
 
-/// Tells the page why no session is open, or nothing was exported. It knows of the end of a task that it has ended.
+/// Tells the page why a file was not opened or exported. A cancelled task posts nothing.
 pub(super) fn post_not_opened(why: &NotOpened) {
     match why {
         NotOpened::NotASession(why) => post(&FromSessions::NotOpened(Some(*why))),

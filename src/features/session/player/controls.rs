@@ -2,13 +2,15 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use leptos::prelude::*;
+use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     protocol::Instant,
     sessions::{PlaySpeed, ToReplay},
 };
+use wasm_bindgen::JsCast;
+use web_sys::HtmlElement;
 
-use crate::features::session::player::Player;
+use crate::features::session::{bookmarks::Bookmarks, player::Player};
 
 impl Player {
     pub(in crate::features::session) fn play_or_pause(self) {
@@ -87,6 +89,26 @@ impl Player {
     pub(in crate::features::session) fn add_bookmark(self) {
         let here_us = untrack(|| self.shown_us());
         self.bookmarks.update(|bookmarks| bookmarks.begin(here_us));
+    }
+
+    /// Ends the writing of a note. What had the focus is gone after it.
+    pub(in crate::features::session) fn end_note(self, act: impl FnOnce(&mut Bookmarks)) {
+        self.bookmarks.update(act);
+        let add = document().query_selector(".replay-add").ok().flatten();
+        if let Some(add) = add.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+            // If it cannot be focused, the browser decides.
+            let _ = add.focus();
+        }
+    }
+
+    /// Cancels the note if its field has the focus. Returns whether it has.
+    pub(super) fn cancels_note(self) -> bool {
+        let focused = document().query_selector(".replay-bookmark input:focus");
+        let is_written = matches!(focused, Ok(Some(_)));
+        if is_written {
+            self.end_note(Bookmarks::cancel);
+        }
+        is_written
     }
 
     /// Goes that much further, or back.

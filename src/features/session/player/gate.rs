@@ -42,7 +42,10 @@ impl Player {
                 false
             }
             Crossing::Stop => {
-                self.pause();
+                // In the field of a note that is Escape: Space writes a space there.
+                if !self.cancels_note() {
+                    self.pause();
+                }
                 true
             }
             Crossing::Row(number) => {

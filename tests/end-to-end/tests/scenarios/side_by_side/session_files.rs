@@ -136,3 +136,30 @@ fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
     assert_quiet_console(page);
     Ok(())
 }
+
+#[test]
+fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.click("button", "Session file")?;
+    let saved = page.download("Save session")?;
+    page.click("button", "Disconnect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    page.upload("Open session", &saved.path)?;
+    page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
+    page.click("button", "Replay")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
+    page.click("button", "Add bookmark")?;
+    page.fill("textbox", "Note", "gravel starts here")?;
+    page.click("button", "Keep bookmark")?;
+
+    let copy = page.download("Save copy")?;
+    page.upload("Open session", &copy.path)?;
+    // The copy has another name than the file.
+    page.wait_for_text("status", "Session file", |text| {
+        text.contains("Opened") && text.contains("-bookmarks")
+    })?;
+    page.wait_for_text("list", "Events", |text| text.contains("gravel starts here"))?;
+    assert_quiet_console(page);
+    Ok(())
+}
