@@ -117,6 +117,8 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                          End the newest. While paused, the arrow keys move a crosshair that reads \
                          values."
                     )}
+                    " "
+                    {tr!("In a replay, Enter goes to the crosshair.")}
                 </p>
             </div>
         </section>

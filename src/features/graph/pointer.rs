@@ -91,11 +91,16 @@ pub(crate) fn up(chart: Chart) {
     chart.drag.set(None);
     if let Some(drag) = drag.filter(|drag| !drag.begun) {
         let column = chart.layout.get().column(drag.from_x);
-        let at_us = chart.grid.get().moment_us(column);
-        if let Some(at_us) = at_us.checked_sub(ZERO_US) {
-            replay::keeps(Crossing::Moment(Instant::from_micros(at_us)));
-        }
+        go_to(chart.grid.get().moment_us(column));
     }
+}
+
+/// A replay goes to this time of the history's clock. Returns whether there is a replay.
+fn go_to(at_us: u64) -> bool {
+    at_us.checked_sub(ZERO_US).is_some_and(|at_us| {
+        let moment = Crossing::Moment(Instant::from_micros(at_us));
+        replay::keeps(moment)
+    })
 }
 
 /// The pointer has left the graph, or the browser uses it for its own gesture.
@@ -147,6 +152,15 @@ fn percent(zoom: f64) -> u64 {
 pub(crate) fn key(chart: Chart, event: &KeyboardEvent) {
     let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
     let paused = chart.view.get_untracked().is_paused();
+    if event.key() == "Enter"
+        && !modified
+        && let Crosshair::Moment(at_us) = chart.crosshair.get()
+    {
+        if go_to(at_us) {
+            event.prevent_default();
+        }
+        return;
+    }
     if let Some(action) = keys::graph_action(&event.key(), modified, event.shift_key(), paused) {
         event.prevent_default();
         chart.run(action);

@@ -3,12 +3,13 @@
 use motorlink_messages::{
     bus::Sample,
     protocol::Instant,
-    sessions::{FromReplay, FromSessions},
+    sessions::{FromReplay, FromSessions, ToReplay, ToSessions},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use super::{bench, canvas, colour_of, report, rows_of, sample, steady};
+use super::{bench, canvas, colour_of, graph, report, rows_of, sample, steady};
 use crate::{
+    bench::press,
     fake_sessions::{FakeSessions, drop_file, info},
     replay::{BEGUN, FIRST, closed_port, end_button, post, update},
 };
@@ -50,6 +51,16 @@ async fn a_recording_has_its_own_graph_and_the_live_one_is_back_after_it() {
     let is_below = || line().iter().all(|row| *row > middle) && !line().is_empty();
     bench.until("the line of the recording", is_below).await;
 
+    bench.click("Pause");
+    graph(&bench).focus().unwrap();
+    press("ArrowLeft");
+    sessions.received().await;
+    press("Enter");
+    let sent = sessions.received().await;
+    let seeks = |message: &ToSessions| matches!(message, ToSessions::Replay(ToReplay::Seek { .. }));
+    assert!(sent.iter().any(seeks), "{sent:?}");
+
+    bench.click("Now");
     end_button(&bench).click();
     bench.until("the live line again", is_above).await;
 }
