@@ -11,7 +11,8 @@ use crate::{
     ui::format,
 };
 
-/// The settings that would change, with their present and their new value. Higher limits come first and say so.
+/// The settings that would change, with their present and their new value. Higher limits and what is less safe come
+/// first and say so.
 pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
     let mut raised = Vec::new();
     let mut others = Vec::new();
@@ -46,14 +47,19 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
     );
     let model = |setup: &Setup| setup.model.map(|model| model.spec().name.to_owned());
     let hertz = |setup: &Setup| setup.rate.map(|rate| format!("{} Hz", rate.hertz()));
-    let ramp = |setup: &Setup| {
-        let ramp = setup.ramp?;
-        Some(format!("{ramp} {}/s", format::rpm()))
-    };
-    let yes = |value: Option<bool>| {
-        let words = |yes| if yes { tr!("yes") } else { tr!("no") };
-        value.map(|yes| words(yes).to_owned())
-    };
+    if let (Some(from), Some(to)) = (now.ramp, new.ramp)
+        && from != to
+    {
+        let change = line(tr!("Ramp"), &ramp(from), &ramp(to));
+        // Without a ramp, the target is reached at once.
+        let is_faster = from != 0 && (to == 0 || to > from);
+        if is_faster {
+            raised.push(less_safe(&change));
+        } else {
+            others.push(change);
+        }
+    }
+    let yes = |value: Option<bool>| value.map(|yes| yes_or_no(yes).to_owned());
     for (what, from, to) in [
         (tr!("Model"), model(now), model(new)),
         (
@@ -62,17 +68,23 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
             yes(new.detect_model),
         ),
         (tr!("Command rate"), hertz(now), hertz(new)),
-        (tr!("Ramp"), ramp(now), ramp(new)),
-        (
-            tr!("Keep driving while hidden"),
-            yes(now.keep_driving),
-            yes(new.keep_driving),
-        ),
     ] {
         if let (Some(from), Some(to)) = (from, to)
             && from != to
         {
             others.push(line(what, &from, &to));
+        }
+    }
+    if let (Some(from), Some(to)) = (now.keep_driving, new.keep_driving)
+        && from != to
+    {
+        let what = tr!("Keep driving while hidden");
+        let (from, to) = (yes_or_no(from), yes_or_no(to));
+        let change = line(what, from, to);
+        if new.keep_driving == Some(true) {
+            raised.push(less_safe(&change));
+        } else {
+            others.push(change);
         }
     }
     if let (Some(from), Some(to)) = (&now.names, &new.names) {
@@ -88,7 +100,23 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
     raised
 }
 
-/// `Ramp: 0 rpm/s → 300 rpm/s`
+fn less_safe(change: &str) -> String {
+    tr!("{change} (less safe)", change)
+}
+
+fn yes_or_no(yes: bool) -> &'static str {
+    if yes { tr!("yes") } else { tr!("no") }
+}
+
+/// `300 rpm/s`
+fn ramp(rpm_per_s: u16) -> String {
+    if rpm_per_s == 0 {
+        return tr!("no ramp").to_owned();
+    }
+    format!("{rpm_per_s} {}/s", format::rpm())
+}
+
+/// `Ramp: no ramp → 300 rpm/s`
 fn line(what: &str, from: &str, to: &str) -> String {
     format!("{what}: {from} → {to}")
 }
@@ -145,6 +173,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_less_safe_comes_first_and_says_so() {
+        let now = NOW
+            .replace("\"ramp_rpm_per_s\": 0", "\"ramp_rpm_per_s\": 300")
+            .replace("hidden\": true", "hidden\": false");
+        let of = |ramp: &str| {
+            let new = format!(
+                r#"{{"motorlink_setup": 1, "command_rate_hz": 100, "ramp_rpm_per_s": {ramp},
+                "keep_driving_while_hidden": true}}"#
+            );
+            let read = |file: &str| Setup::from_json(file.as_bytes()).unwrap();
+            changes(&read(&now), &read(&new))
+        };
+        let (hidden, rate) = (
+            "Keep driving while hidden: no → yes (less safe)",
+            "Command rate: 50 Hz → 100 Hz",
+        );
+        let removed = "Ramp: 300 rpm/s → no ramp (less safe)";
+        assert_eq!(of("0"), [removed, hidden, rate]);
+        let faster = "Ramp: 300 rpm/s → 400 rpm/s (less safe)";
+        assert_eq!(of("400"), [faster, hidden, rate]);
+        assert_eq!(of("200")[0], hidden);
+        assert!(of("200").contains(&"Ramp: 300 rpm/s → 200 rpm/s".to_owned()));
+    }
+
+    #[test]
     fn each_motor_says_what_it_was_and_becomes() {
         let new = r#"{"motorlink_setup": 1, "detect_model": false, "command_rate_hz": 500,
             "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300,
@@ -153,9 +206,9 @@ mod tests {
         assert_eq!(
             of(new),
             [
+                "Ramp: no ramp → 300 rpm/s",
                 "Detect the model: yes → no",
                 "Command rate: 50 Hz → 500 Hz",
-                "Ramp: 0 rpm/s → 300 rpm/s",
                 "Keep driving while hidden: yes → no",
                 "Motor 0x01: Port, left, in the group → Port, left",
                 "Motor 0x02: no side → <b>, right, in the group",

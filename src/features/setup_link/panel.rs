@@ -120,11 +120,11 @@ impl SetupLink {
     }
 
     /// The lines of the question.
-    fn changes(self) -> String {
+    fn changes(self) -> Vec<String> {
         self.track_setup();
         let setup = self.linked.with(|file| Setup::from_json(file.as_bytes()));
         let lines = setup.map(|setup| changes(&self.page.setup(), &setup));
-        lines.unwrap_or_default().join("\n")
+        lines.unwrap_or_default()
     }
 
     /// Applies the setup, as an import does.
@@ -205,7 +205,12 @@ pub(crate) fn SetupLinkPanel(of: SetupLink) -> impl IntoView {
             >
                 <h3>{tr!("Setup from a link")}</h3>
                 <p>{tr!("Applying it changes the following. No motor starts.")}</p>
-                <p class="setup-changes">{dynamic(move || of.changes())}</p>
+                <ul class="setup-changes">
+                    {move || {
+                        let lines = of.changes().into_iter();
+                        lines.map(|line| view! { <li>{line}</li> }).collect_view()
+                    }}
+                </ul>
                 <div class="button-row two">
                     <PressButton
                         label=tr!("Apply setup")
