@@ -1,8 +1,8 @@
 //! Measures how much of the bus capacity the page uses, with one motor and with many, and its cost. Prints a table.
 //!
 //! `cargo xtask bench` builds everything and runs this after `instruments`. `--seconds N` sets the duration of each
-//! measurement, and `--only bare`, `rates`, `crowd`, `rover`, `load`, `drawing`, `models`, `stop`, `stall`, `runs` or `heap`
-//! measures a part.
+//! measurement, and `--only bare`, `rates`, `crowd`, `rover`, `load`, `drawing`, `models`, `stop`, `stall`, `runs`, `saving` or
+//! `heap` measures a part.
 //! The heap is measured ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
@@ -14,6 +14,7 @@ mod models;
 mod rates;
 mod rover;
 mod runs;
+mod saving;
 mod stall;
 mod stop;
 
@@ -25,8 +26,9 @@ use end_to_end::{Page, figures::Table};
 /// Duration of each measurement.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 11] = [
-    "bare", "rates", "crowd", "rover", "load", "drawing", "models", "stop", "stall", "runs", "heap",
+const PARTS: [&str; 12] = [
+    "bare", "rates", "crowd", "rover", "load", "drawing", "models", "stop", "stall", "runs",
+    "saving", "heap",
 ];
 
 fn main() -> ExitCode {
@@ -58,7 +60,7 @@ fn wanted() -> Result<Wanted> {
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
             _ => bail!(
-                "usage: wire [--seconds N] [--only bare|rates|crowd|rover|load|drawing|models|stop|stall|runs|heap]"
+                "usage: wire [--seconds N] [--only bare|rates|crowd|rover|load|drawing|models|stop|stall|runs|saving|heap]"
             ),
         }
     }
@@ -82,6 +84,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "stop" => stop::measure(wanted.watched),
             "stall" => stall::measure(),
             "runs" => runs::measure(wanted.watched),
+            "saving" => saving::measure(wanted.watched),
             _ => load::measure_heap(wanted.watched),
         };
         if let Err(error) = measured {
