@@ -146,21 +146,6 @@ fn script_bytes(call: &mut Call) -> Result<u64> {
     ))
 }
 
-/// Runs before the scripts of a page, and notes the linear memories of its programs.
-pub(crate) const NOTE_MEMORIES: &str = "{
-    const memories = [];
-    const noted = (result) => {
-        const { memory } = (result.instance ?? result).exports;
-        if (memory && !memories.includes(memory)) memories.push(memory);
-        return result;
-    };
-    for (const name of ['instantiate', 'instantiateStreaming']) {
-        const real = WebAssembly[name];
-        WebAssembly[name] = (...given) => real.apply(WebAssembly, given).then(noted);
-    }
-    globalThis.wasmBytes = () => memories.reduce((sum, memory) => sum + memory.buffer.byteLength, 0);
-}";
-
 /// The size of linear memories. The browser's statistics do not include them, but it finds them as objects.
 fn wasm_bytes(call: &mut Call) -> Result<u64> {
     let prototype = json!({ "expression": "WebAssembly.Memory.prototype" });

@@ -10,7 +10,6 @@ use crate::cdp::{Session, at};
 use crate::console::Console;
 use crate::control::{self, Control};
 use crate::keyboard::Key;
-use crate::memory::NOTE_MEMORIES;
 use crate::stopwatch::{self, KeyPress};
 use crate::wait::{WAIT_MAX, wait_until};
 
@@ -37,6 +36,21 @@ pub(crate) const NOTE_WORK: &str = "
         return { tasks, measures };
     };
 ";
+
+/// Runs before the scripts of a page, and notes the linear memories of its programs.
+const NOTE_MEMORIES: &str = "{
+    const memories = [];
+    const noted = (result) => {
+        const { memory } = (result.instance ?? result).exports;
+        if (memory && !memories.includes(memory)) memories.push(memory);
+        return result;
+    };
+    for (const name of ['instantiate', 'instantiateStreaming']) {
+        const real = WebAssembly[name];
+        WebAssembly[name] = (...given) => real.apply(WebAssembly, given).then(noted);
+    }
+    globalThis.wasmBytes = () => memories.reduce((sum, memory) => sum + memory.buffer.byteLength, 0);
+}";
 
 /// A page in a tab.
 pub struct Page {
