@@ -21,7 +21,7 @@ macro_rules! text {
 }
 
 /// The kinds of messages, by their texts.
-const KINDS: [(&str, EventKind); 9] = [
+const KINDS: [(&str, EventKind); 11] = [
     (text!("Connected to {adapter}"), EventKind::Connected),
     (text!("Disconnected"), EventKind::Disconnected),
     (text!("Adapter unplugged"), EventKind::Disconnected),
@@ -30,6 +30,8 @@ const KINDS: [(&str, EventKind); 9] = [
     (text!("Stopping. {why}"), EventKind::StopBegan),
     (text!("Stopped: no motor was running"), EventKind::StopEnded),
     (CONFIRMED, EventKind::StopEnded),
+    (text!("Run of an experiment began: {name}"), EventKind::Run),
+    (text!("Run of an experiment ended: {how}"), EventKind::Run),
     (
         text!("Standstill not confirmed: {motors}"),
         EventKind::StopEnded,
@@ -121,6 +123,22 @@ mod tests {
         assert_eq!(plain.kind, EventKind::Disconnected);
         assert_eq!(event(|| "anything else".to_owned()).kind, EventKind::Notice);
         assert_eq!(event(String::new).kind, EventKind::Notice);
+    }
+
+    #[test]
+    fn a_run_of_an_experiment_begins_and_ends() {
+        let began = event(|| tr!("Run of an experiment began: {name}", name = "Warm-up"));
+        assert_eq!(began.kind, EventKind::Run);
+        assert_eq!(began.text, "Run of an experiment began: Warm-up");
+        let how = || {
+            tr!(
+                "Aborted: {cause}. The data is kept.",
+                cause = tr!("stopped by you")
+            )
+        };
+        let ended = event(|| tr!("Run of an experiment ended: {how}", how = how()));
+        assert_eq!(ended.kind, EventKind::Run);
+        assert!(ended.text.contains("stopped by you"), "{}", ended.text);
     }
 
     #[test]

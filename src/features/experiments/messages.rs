@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use leptos::prelude::*;
-use motorlink_i18n::tr;
+use motorlink_i18n::{tr, untranslated};
 use motorlink_messages::{
     decode,
     experiments::{
@@ -21,9 +21,17 @@ use crate::{
         state::{Armed, Experiments, Shown},
         texts,
     },
-    model::runs,
+    model::{log_lines, runs},
     ui::clock::{page_now_ms, page_origin_ms},
 };
+
+/// The name of the sequence, or of the kind of study.
+fn name_of(study: &Study) -> String {
+    match study {
+        Study::Sequence(sequence) if !sequence.name.is_empty() => sequence.name.clone(),
+        other => texts::study(other.kind()).to_owned(),
+    }
+}
 
 impl Experiments {
     /// Gets the messages of the run.
@@ -81,10 +89,16 @@ impl Experiments {
         live.began(began);
         self.live.set_value(live);
         let study = armed.study.clone();
-        let name = match &study {
-            Study::Sequence(sequence) if !sequence.name.is_empty() => sequence.name.clone(),
-            other => texts::study(other.kind()).to_owned(),
-        };
+        let name = name_of(&study);
+        self.page.log(
+            began,
+            untranslated(|| {
+                log_lines::calm(tr!(
+                    "Run of an experiment began: {name}",
+                    name = name_of(&study)
+                ))
+            }),
+        );
         let ids = armed.plan.motors().iter().map(|motor| motor.id);
         let motors = self.page.motors.names.with_untracked(|names| {
             let name = |id| names.member(id).map(|member| member.name().to_owned());
@@ -130,6 +144,10 @@ impl Experiments {
         };
         if has_begun {
             self.said.set(texts::end(end, row));
+            self.page.log_now(&|| {
+                let how = texts::end(end, row);
+                log_lines::calm(tr!("Run of an experiment ended: {how}", how))
+            });
             self.kept.end(armed.run, end);
         } else {
             self.said.set(texts::disarmed(end));
