@@ -93,10 +93,7 @@ impl Experiments {
         self.page.log(
             began,
             untranslated(|| {
-                log_lines::calm(tr!(
-                    "Run of an experiment began: {name}",
-                    name = name_of(&study)
-                ))
+                log_lines::calm(tr!("Experiment began: {name}", name = name_of(&study)))
             }),
         );
         let ids = armed.plan.motors().iter().map(|motor| motor.id);
@@ -146,7 +143,7 @@ impl Experiments {
             self.said.set(texts::end(end, row));
             self.page.log_now(&|| {
                 let how = texts::end(end, row);
-                log_lines::calm(tr!("Run of an experiment ended: {how}", how))
+                log_lines::calm(tr!("Experiment ended: {how}", how))
             });
             self.kept.end(armed.run, end);
         } else {
