@@ -70,7 +70,7 @@ fn wrong_text(of: Experiments, label: &'static str) -> RwSignal<bool> {
     let wrong = RwSignal::new(false);
     let remove = move || {
         of.wrong_fields
-            .update(|fields| fields.retain(|it| *it != label))
+            .update(|fields| fields.retain(|it| *it != label));
     };
     effect(move || {
         remove();

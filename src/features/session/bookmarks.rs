@@ -331,7 +331,7 @@ mod tests {
     #[test]
     fn there_are_no_more_than_a_copy_has_room_for() {
         let mut bookmarks = Bookmarks::default();
-        for after_us in 0..BOOKMARKS_MAX as u64 + 1 {
+        for after_us in 0..=BOOKMARKS_MAX as u64 {
             assert_eq!(bookmarks.are_full(), after_us == BOOKMARKS_MAX as u64);
             add(&mut bookmarks, after_us, "x");
         }

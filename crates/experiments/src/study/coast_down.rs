@@ -149,7 +149,7 @@ fn push_of(trace: &Trace, span: Span) -> Option<Push<'_>> {
     let mut sent = command.filter(|point| point.t_s >= span.from_s && point.t_s < span.to_s);
     let first = sent.next()?;
     // Paused, it coasts.
-    if sent.any(|later| later.value != first.value) {
+    if sent.any(|later| later.value.total_cmp(&first.value).is_ne()) {
         return None;
     }
     Some(Push {

@@ -64,7 +64,9 @@ fn rows(page_is: &str, wire: &WireLog, watched: Duration) -> Result<()> {
         percentile(&sorted, 50).context("too few setpoints")
     };
     let part = planned.min(10 * HERTZ);
-    let (begins, ends) = (median(&late[..part])?, median(&late[planned - part..])?);
+    let part_of = |range| late.get(range).context("too few setpoints");
+    let begins = median(part_of(0..part)?)?;
+    let ends = median(part_of(planned - part..planned)?)?;
 
     late.sort_unstable();
     let at = |percent| percentile(&late, percent).context("no setpoint");

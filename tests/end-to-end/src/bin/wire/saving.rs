@@ -63,12 +63,12 @@ pub fn measure(watched: Duration) -> Result<()> {
         without.frames.extend(part(&adapter.wire()?, from, until));
         let from = now_us();
         let call = format!("({SAVE})({})", CALL.as_secs());
-        let saved: Saved = serde_json::from_value(page.evaluate(&call)?)?;
+        let pass: Saved = serde_json::from_value(page.evaluate(&call)?)?;
         let until = now_us();
         meanwhile.frames.extend(part(&adapter.wire()?, from, until));
-        saves += saved.saves;
-        longest_ms = longest_ms.max(saved.longest_ms);
-        words = saved.words;
+        saves += pass.saves;
+        longest_ms = longest_ms.max(pass.longest_ms);
+        words = pass.words;
     }
     ensure!(saves > 0, "nothing was saved");
     let p99 = |wire: &WireLog| wire.gaps().map(|gaps| gaps.p99_us).context("no frame");
