@@ -63,7 +63,7 @@ fn driven_to(goal: Option<Setpoint>) -> Option<Setpoint> {
     goal.filter(|goal| *goal != Setpoint::Brake)
 }
 
-/// The time by which a kept run is drawn later, in microseconds, so that its event is at the event of the shown run.
+/// How much later a kept run is drawn, in microseconds, so that its event is at the event of the shown run.
 pub(crate) fn shift_us(kept: Instant, shown: Instant) -> i64 {
     let micros = |at: Instant| i64::try_from(at.as_micros()).unwrap_or(i64::MAX);
     micros(shown).saturating_sub(micros(kept))
