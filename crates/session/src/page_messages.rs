@@ -30,8 +30,8 @@ const KINDS: [(&str, EventKind); 11] = [
     (text!("Stopping. {why}"), EventKind::StopBegan),
     (text!("Stopped: no motor was running"), EventKind::StopEnded),
     (CONFIRMED, EventKind::StopEnded),
-    (text!("Experiment began: {name}"), EventKind::Run),
-    (text!("Experiment ended: {how}"), EventKind::Run),
+    (text!("Run began: {name}"), EventKind::Run),
+    (text!("Run ended: {how}"), EventKind::Run),
     (
         text!("Standstill not confirmed: {motors}"),
         EventKind::StopEnded,
@@ -127,12 +127,12 @@ mod tests {
 
     #[test]
     fn a_run_of_an_experiment_begins_and_ends() {
-        let began = event(|| tr!("Experiment began: {name}", name = "Warm-up"));
+        let began = event(|| tr!("Run began: {name}", name = "Warm-up"));
         assert_eq!(began.kind, EventKind::Run);
-        assert_eq!(began.text, "Experiment began: Warm-up");
-        let ended = event(|| tr!("Experiment ended: {how}", how = "stopped by you"));
+        assert_eq!(began.text, "Run began: Warm-up");
+        let ended = event(|| tr!("Run ended: {how}", how = "stopped by you"));
         assert_eq!(ended.kind, EventKind::Run);
-        assert_eq!(ended.text, "Experiment ended: stopped by you");
+        assert_eq!(ended.text, "Run ended: stopped by you");
     }
 
     #[test]

@@ -92,9 +92,7 @@ impl Experiments {
         let name = name_of(&study);
         self.page.log(
             began,
-            untranslated(|| {
-                log_lines::calm(tr!("Experiment began: {name}", name = name_of(&study)))
-            }),
+            untranslated(|| log_lines::calm(tr!("Run began: {name}", name = name_of(&study)))),
         );
         let ids = armed.plan.motors().iter().map(|motor| motor.id);
         let motors = self.page.motors.names.with_untracked(|names| {
@@ -143,7 +141,7 @@ impl Experiments {
             self.said.set(texts::end(end, row));
             self.page.log_now(&|| {
                 let how = texts::end(end, row);
-                log_lines::calm(tr!("Experiment ended: {how}", how))
+                log_lines::calm(tr!("Run ended: {how}", how))
             });
             self.kept.end(armed.run, end);
         } else {

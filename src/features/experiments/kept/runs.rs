@@ -140,6 +140,8 @@ impl KeptRuns {
             .update_value(|memory| *memory = Memory::default());
         self.list.set(Vec::new());
         self.changed();
+        // The next run is kept again. The browser opens the new database when the old one is deleted.
+        spawn_local(self.open());
     }
 
     pub(super) fn say_not_stored(self) {
