@@ -11,7 +11,7 @@ use leptos::wasm_bindgen::{JsCast, closure::Closure};
 
 #[cfg(doc)]
 use crate::ui::frame_rate::FrameRate;
-use crate::ui::{clock::page_now_ms, frame_rate::frame_rate};
+use crate::ui::{clock::page_now_ms, frame_rate::frame_rate, mathematics::modulo};
 
 /// A loop that is due so soon after a frame runs in that frame.
 const TOGETHER_MS: f64 = 8.0;
@@ -54,7 +54,7 @@ impl Next {
 }
 
 fn to_step(period_ms: f64, now_ms: f64) -> f64 {
-    period_ms - now_ms.rem_euclid(period_ms)
+    period_ms - modulo(now_ms, period_ms)
 }
 
 /// Calls a step function with the time of the frame, as often as it requests. Dropping it stops the loop.

@@ -5,6 +5,8 @@ use std::cell::Cell;
 use motorlink_messages::AwakeClock;
 use wasm_bindgen::JsCast;
 
+use crate::ui::mathematics::modulo;
+
 const DAY_MS: f64 = 86_400_000.0;
 
 thread_local! {
@@ -53,7 +55,7 @@ fn local_ms(wall_ms: f64) -> f64 {
     reason = "between 0 and a day"
 )]
 pub(crate) fn day_us(wall_ms: f64) -> u64 {
-    (local_ms(wall_ms).rem_euclid(DAY_MS) * 1_000.0) as u64
+    (modulo(local_ms(wall_ms), DAY_MS) * 1_000.0) as u64
 }
 
 #[allow(
@@ -62,7 +64,7 @@ pub(crate) fn day_us(wall_ms: f64) -> u64 {
     reason = "the seconds of a day are few and not negative"
 )]
 fn time_of_day(local_ms: f64) -> String {
-    let second = (local_ms / 1000.0).floor().rem_euclid(86_400.0) as u32;
+    let second = modulo((local_ms / 1000.0).floor(), 86_400.0) as u32;
     format!(
         "{:02}:{:02}:{:02}",
         second / 3600,

@@ -107,7 +107,7 @@ fn tick(number: i32) -> String {
 
 /// Degrees clockwise from straight up; `x` grows to the right and `y` downwards.
 fn bearing(x: f64, y: f64) -> f64 {
-    mathematics::atan2(x, -y).rem_euclid(360.0)
+    mathematics::modulo(mathematics::atan2(x, -y), 360.0)
 }
 
 /// The raw position of whole degrees, the resolution of a drag.

@@ -18,7 +18,11 @@ use crate::{
         vehicle::{Vehicle, Wheel},
     },
     model::snapshot::{Reading, Session},
-    ui::{attribute::Attribute, frame_rate::frame_rate, mathematics::limited},
+    ui::{
+        attribute::Attribute,
+        frame_rate::frame_rate,
+        mathematics::{limited, modulo},
+    },
 };
 
 /// The map shows at least so much around the path, in mm.
@@ -171,12 +175,12 @@ impl Painter {
 
     fn paint_ground(&mut self, trip: &Trip) {
         let pose = trip.pose();
-        self.ground.rotate(-pose.heading_deg.rem_euclid(360.0));
+        self.ground.rotate(-modulo(pose.heading_deg, 360.0));
         let by = |x: f64, y: f64| format!("translate({x:.1} {y:.1})");
         let grid = self.scale.grid;
         // The ground moves against the vehicle.
         self.grid
-            .set(by(-pose.x.rem_euclid(grid), pose.y.rem_euclid(grid)));
+            .set(by(-modulo(pose.x, grid), modulo(pose.y, grid)));
         self.trail.set(by(-pose.x, pose.y));
         for (attribute, line) in self.path.iter_mut().zip(trip.path().lines()) {
             attribute.set(line);
@@ -193,7 +197,7 @@ impl Painter {
             "translate({:.0} {:.0}) rotate({:.0}) scale({:.1})",
             pose.x,
             -pose.y,
-            pose.heading_deg.rem_euclid(360.0),
+            modulo(pose.heading_deg, 360.0),
             size / MAP_OF_ARROW
         ));
     }

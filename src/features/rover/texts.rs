@@ -2,7 +2,10 @@
 
 use motorlink_i18n::{terms::in_language, tr};
 
-use crate::{features::rover::motion::Motion, ui::format::UNKNOWN};
+use crate::{
+    features::rover::motion::Motion,
+    ui::{format::UNKNOWN, mathematics::modulo},
+};
 
 /// The figures below the drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,7 +23,7 @@ impl Figures {
         let speed = |motion: Motion| signed(motion.forward_mm_per_s / 1e3, 2, "m/s");
         let turn = |motion: Motion| signed(motion.turn_deg_per_s, 0, "°/s");
         // 359.6 is 0, not 360, and -0.4 is 0, not -0.
-        let heading = (heading_deg.round() + 0.0).rem_euclid(360.0);
+        let heading = modulo(heading_deg.round() + 0.0, 360.0);
         Self {
             forward: motion.map_or_else(|| format!("{UNKNOWN} m/s"), speed),
             turn: motion.map_or_else(|| format!("{UNKNOWN} °/s"), turn),

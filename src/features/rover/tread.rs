@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::ui::{
     frame_rate::FrameRate,
-    mathematics::{limited, sin_cos},
+    mathematics::{limited, modulo, sin_cos},
 };
 
 /// Blocks around the wheel.
@@ -20,7 +20,7 @@ const GONE_ABOVE: f64 = 0.46;
 
 /// Where a point at this angle ahead of the top is seen, in mm behind the axle; `None` below the edge.
 fn seen(angle_deg: f64, radius: f64) -> Option<f64> {
-    let angle = (angle_deg + 180.0).rem_euclid(360.0) - 180.0;
+    let angle = modulo(angle_deg + 180.0, 360.0) - 180.0;
     (angle.abs() <= SEEN_DEG).then(|| 0.0 - radius * sin_cos(angle).0)
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use crate::ui::mathematics::limited;
+use crate::ui::mathematics::{limited, modulo};
 
 /// From so long a time between two replies on, the speeds bridge it: the angle no longer tells the turn where the
 /// speed deviates by 100 rpm for 0.3 s.
@@ -81,7 +81,7 @@ impl WheelTrack {
         match (link, angle) {
             (Link::Unknown, _) => {}
             (Link::Known, Some((angle, step))) => {
-                let off = (angle - self.offset - expected + 0.5).rem_euclid(1.0) - 0.5;
+                let off = modulo(angle - self.offset - expected + 0.5, 1.0) - 0.5;
                 // A coarse angle only bounds the way.
                 let nearest = expected + off;
                 self.turns = limited(expected, nearest - step, nearest + step);

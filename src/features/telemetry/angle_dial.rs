@@ -1,5 +1,7 @@
 //! The dial of the position card: the wheel's angle, straight up 0 degrees, growing clockwise.
 
+use crate::ui::mathematics::modulo;
+
 /// After a longer pause the page was hidden, and no sweep is drawn.
 const UNSEEN_MS: f64 = 300.0;
 
@@ -31,8 +33,8 @@ impl Sweep {
             .map_or(angle_deg, |(_, before_deg)| before_deg);
         self.drawn = Some((now_ms, angle_deg));
         Face {
-            hand: angle_deg.rem_euclid(360.0),
-            swept_from: before.min(angle_deg).rem_euclid(360.0),
+            hand: modulo(angle_deg, 360.0),
+            swept_from: modulo(before.min(angle_deg), 360.0),
             swept: (angle_deg - before).abs().min(360.0),
         }
     }

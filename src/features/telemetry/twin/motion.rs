@@ -9,7 +9,7 @@
 
 use motorlink_messages::bus::FRESH_FOR;
 
-use crate::ui::mathematics::{exp, limited};
+use crate::ui::mathematics::{exp, limited, modulo};
 
 /// The resolution of a reported angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -248,7 +248,7 @@ impl Estimator {
         *self = Self {
             drawn_ms: self.drawn_ms,
             // Within one turn: over days a growing angle would lose digits.
-            drawn_deg: self.drawn_deg.rem_euclid(360.0),
+            drawn_deg: modulo(self.drawn_deg, 360.0),
             ..Self::default()
         };
     }
@@ -263,7 +263,7 @@ fn travelled(track: Track, at_ms: f64, rate_deg_per_s: f64) -> f64 {
 
 /// The reported angle, unwrapped to the turn nearest to the expected angle.
 fn nearest(expected_deg: f64, reported_deg: f64) -> f64 {
-    let off = (reported_deg - expected_deg + 180.0).rem_euclid(360.0) - 180.0;
+    let off = modulo(reported_deg - expected_deg + 180.0, 360.0) - 180.0;
     expected_deg + off
 }
 

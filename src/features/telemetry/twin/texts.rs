@@ -7,6 +7,8 @@ use motorlink_i18n::{
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
+use crate::ui::mathematics::modulo;
+
 /// The motion of the wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
@@ -80,7 +82,7 @@ impl Figures {
         Self {
             speed,
             // Rounded before it wraps: 359.96 gives 0.0, not 360.0.
-            angle_tenths: angle_deg.map(|deg| (deg * 10.0).round().rem_euclid(3_600.0) as i32),
+            angle_tenths: angle_deg.map(|deg| modulo((deg * 10.0).round(), 3_600.0) as i32),
             turns_tenths: (turns * 10.0).round() as i64,
         }
     }

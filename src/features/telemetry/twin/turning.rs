@@ -11,6 +11,7 @@ use crate::{
     ui::{
         attribute::Attribute,
         frame_rate::{FrameRate, frame_rate},
+        mathematics::modulo,
     },
 };
 
@@ -67,7 +68,7 @@ impl Turning {
     fn turn_to(&mut self, course: Course, heading: Heading, now_ms: f64) {
         let rests = heading.rate_deg_per_s.abs() < f64::EPSILON;
         let at_ms = if rests { course.until_ms } else { now_ms };
-        self.turned.rotate(course.angle_at(at_ms).rem_euclid(360.0));
+        self.turned.rotate(modulo(course.angle_at(at_ms), 360.0));
     }
 
     /// `None` if the browser does not support it: then the wheel does not turn, but the figures change.
@@ -81,7 +82,7 @@ impl Turning {
             None => (course, None),
         };
         let lasts_ms = (course.until_ms - course.from_ms).max(0.0);
-        let from_deg = course.angle_deg.rem_euclid(360.0);
+        let from_deg = modulo(course.angle_deg, 360.0);
         let to_deg = from_deg + course.angle_at(course.until_ms) - course.angle_deg;
         let turned = |degrees: f64| format!("rotate({degrees:.3}deg)").into();
         let keyframes = Object::new();
