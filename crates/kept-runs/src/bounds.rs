@@ -3,13 +3,14 @@
 use motorlink_messages::experiments::kept::RunHeader;
 
 /// Maximal number of runs: more names are not found again in a list.
-pub(super) const RUNS_MAX: usize = 200;
-/// Maximal size of all runs. A run of a minute at 200 Hz has a quarter of a megabyte.
-pub(super) const BYTES_MAX: u64 = 100_000_000;
+pub const RUNS_MAX: usize = 200;
+/// Maximal size of all runs, in bytes. A run of a minute at 200 Hz has a quarter of a megabyte.
+pub const BYTES_MAX: u64 = 100_000_000;
 
 /// The numbers of the oldest runs that go, so that the others are within the bounds. `list` has the newest first. The
 /// newest run always stays.
-pub(super) fn too_many(list: &[RunHeader]) -> Vec<u32> {
+#[must_use]
+pub fn too_many(list: &[RunHeader]) -> Vec<u32> {
     let mut bytes = 0;
     let outside = list.iter().enumerate().filter(|(place, run)| {
         bytes += u64::from(run.bytes);

@@ -22,8 +22,9 @@ const PARTS_MAX: f64 = 1_000_000.0;
 
 type Result<T> = std::result::Result<T, JsValue>;
 
-/// An open database.
-pub(super) struct Database {
+/// The database, while it is open.
+#[derive(Debug)]
+pub struct Database {
     database: IdbDatabase,
     _on_erased: Closure<dyn FnMut()>,
 }
@@ -31,10 +32,11 @@ pub(super) struct Database {
 impl Database {
     /// Opens it, and creates it at the first visit. Calls `on_erased` when the user deletes all data, also in another
     /// tab.
-    pub(super) async fn open(on_erased: impl Fn() + 'static) -> Result<Self> {
-        let global = js_sys::global();
-        let factory: IdbFactory = Reflect::get(&global, &"indexedDB".into())?.dyn_into()?;
-        let request: IdbOpenDbRequest = factory.open_with_u32(NAME, VERSION)?;
+    ///
+    /// # Errors
+    /// The browser has no database for this site, such as in a private window.
+    pub async fn open(on_erased: impl Fn() + 'static) -> Result<Self> {
+        let request: IdbOpenDbRequest = factory()?.open_with_u32(NAME, VERSION)?;
         let opened = request.clone();
         let create = Closure::once(move || {
             let stores = opened.result().map(JsCast::unchecked_into::<IdbDatabase>);
@@ -59,8 +61,11 @@ impl Database {
         })
     }
 
-    /// All headers that this version can read.
-    pub(super) async fn headers(&self) -> Result<Headers> {
+    /// All headers.
+    ///
+    /// # Errors
+    /// The browser cannot read them.
+    pub async fn headers(&self) -> Result<Headers> {
         let all = done(&self.store(RUNS, false)?.get_all()?).await?;
         let read = read_all(&all);
         let unread = (Array::from(&all).length() as usize).saturating_sub(read.len());
@@ -68,15 +73,21 @@ impl Database {
     }
 
     /// Stores a header, in place of an older one of the same run.
-    pub(super) async fn put_header(&self, header: &RunHeader) -> Result<()> {
+    ///
+    /// # Errors
+    /// The browser cannot store it, such as on a full disk.
+    pub async fn put_header(&self, header: &RunHeader) -> Result<()> {
         let bytes = bytes_of(header)?;
         let store = self.store(RUNS, true)?;
         store.put_with_key(&bytes, &header.number.into())?;
         stored(&store).await
     }
 
-    /// Stores a part of a record. Returns its size.
-    pub(super) async fn add_part(&self, run: u32, place: u32, part: &RecordPart) -> Result<u32> {
+    /// Stores a part of a record. Returns its size in bytes.
+    ///
+    /// # Errors
+    /// The browser cannot store it, such as on a full disk.
+    pub async fn add_part(&self, run: u32, place: u32, part: &RecordPart) -> Result<u32> {
         let bytes = bytes_of(part)?;
         let key = f64::from(run) * PARTS_MAX + f64::from(place);
         let store = self.store(PARTS, true)?;
@@ -86,14 +97,20 @@ impl Database {
     }
 
     /// The parts of a record in their order.
-    pub(super) async fn parts(&self, run: u32) -> Result<Vec<RecordPart>> {
+    ///
+    /// # Errors
+    /// The browser cannot read them.
+    pub async fn parts(&self, run: u32) -> Result<Vec<RecordPart>> {
         let store = self.store(PARTS, false)?;
         let all = done(&store.get_all_with_key(&range(run)?)?).await?;
         Ok(read_all(&all))
     }
 
     /// Deletes a run.
-    pub(super) async fn delete(&self, run: u32) -> Result<()> {
+    ///
+    /// # Errors
+    /// The browser cannot delete it.
+    pub async fn delete(&self, run: u32) -> Result<()> {
         done(&self.store(RUNS, true)?.delete(&run.into())?).await?;
         done(&self.store(PARTS, true)?.delete(&range(run)?)?).await?;
         Ok(())
@@ -110,11 +127,33 @@ impl Database {
     }
 }
 
+impl Drop for Database {
+    fn drop(&mut self) {
+        // Its closure is gone now: an open database would keep the user from deleting all data.
+        self.database.set_onversionchange(None);
+        self.database.close();
+    }
+}
+
+/// Deletes every run. Pages that have the database open close it when the browser asks.
+///
+/// # Errors
+/// The browser has no database for this site. Then there are no runs either.
+pub fn erase() -> Result<()> {
+    factory()?.delete_database(NAME).map(drop)
+}
+
+fn factory() -> Result<IdbFactory> {
+    Reflect::get(&js_sys::global(), &"indexedDB".into())?.dyn_into()
+}
+
 /// The headers of all runs.
-pub(super) struct Headers {
-    pub(super) read: Vec<RunHeader>,
+#[derive(Debug)]
+pub struct Headers {
+    /// Those that this version can read.
+    pub read: Vec<RunHeader>,
     /// Runs that another version of the page has written, and this one cannot read.
-    pub(super) unread: usize,
+    pub unread: usize,
 }
 
 fn range(run: u32) -> Result<JsValue> {

@@ -24,7 +24,11 @@ const CRATES: [&[&str]; 10] = [
     &["motorlink-worker"],
     &["motorlink-fault-simulation", "virtual-motor", "session"],
     &["motorlink-session"],
-    &["motorlink-recorder", "motorlink-runs"],
+    &[
+        "motorlink-recorder",
+        "motorlink-runs",
+        "motorlink-kept-runs",
+    ],
     &["motorlink-messages"],
     &[
         "motorlink-bus",

@@ -22,6 +22,7 @@ use crate::{
         texts,
     },
     ui::{
+        drawer::Drawer,
         reactive::{dynamic, effect, handler},
         tab_panel::tab_id,
     },
@@ -48,6 +49,12 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
     let has_study = move || of.kind().is_some();
     let shown = Signal::derive(move || of.last_shown());
     let has_run = move || shown.with(|shown| !shown.is_empty());
+    effect(move || {
+        let is_open = of.page.drawer.get() == Some(Drawer::Experiments);
+        if is_open && of.tab.get() == ExperimentTab::Runs {
+            of.kept.read_again();
+        }
+    });
     let chosen_tab = move || tab_id(of.tab.get().key());
     view! {
         <div class="experiments">

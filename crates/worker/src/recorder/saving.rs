@@ -2,10 +2,8 @@
 
 use std::rc::Rc;
 
-use js_sys::{Function, Reflect};
 use motorlink_messages::recorder::{FromRecorder, NotSaved, ToRecorder};
 use motorlink_recorder::saved::StoreAction;
-use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::spawn_local;
 
 use super::{
@@ -14,7 +12,7 @@ use super::{
     state::{RecorderWorker, Saving, Shared, post},
     store::{Done, Job, Jobs, Store},
 };
-use crate::{local_time::local_time, scope::global};
+use crate::local_time::local_time;
 
 impl Saving {
     /// Queues a job.
@@ -98,7 +96,8 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
             }
         }
         ToRecorder::Erase => {
-            erase_runs();
+            // Without a database there are no runs.
+            let _ = motorlink_kept_runs::erase();
             saving.erased += 1;
             saving.found = None;
             saving.to_read = None;
@@ -110,20 +109,6 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
         }
         _ => {}
     }
-}
-
-/// The name of the database in which the page keeps the runs of experiments.
-const RUNS: &str = "motorlink-experiments";
-
-/// Deletes the kept runs of experiments. Pages that have the database open close it when the browser asks.
-fn erase_runs() {
-    let erase = || -> Result<(), JsValue> {
-        let database = Reflect::get(&global(), &"indexedDB".into())?;
-        let delete: Function = Reflect::get(&database, &"deleteDatabase".into())?.dyn_into()?;
-        delete.call1(&database, &RUNS.into()).map(drop)
-    };
-    // Without this database there are no kept runs.
-    let _ = erase();
 }
 
 /// Runs the queued jobs.

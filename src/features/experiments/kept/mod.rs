@@ -4,11 +4,9 @@
 //! |---|---|
 //! | `runs` | the handle: begins, extends, ends, renames and deletes runs |
 //! | `storing` | what the handle reads and writes |
-//! | `database` | the database of the browser |
-//! | `bound` | which runs go when there are too many |
+//!
+//! `crates/kept-runs` has the database, and the bounds.
 
-mod bound;
-mod database;
 mod runs;
 mod storing;
 

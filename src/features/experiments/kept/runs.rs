@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, rc::Rc};
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
+use motorlink_kept_runs::{Database, Headers};
 use motorlink_messages::experiments::{
     kept::{Outcome, RunHeader},
     runner::{End, Record, RecordPart},
@@ -11,7 +12,6 @@ use motorlink_messages::experiments::{
 };
 use motorlink_messages::protocol::{Instant, MotorId};
 
-use super::database::{Database, Headers};
 use crate::ui::clock::page_now_ms;
 
 /// Parts are stored this often: a crash loses as much of a run.
@@ -102,28 +102,18 @@ impl KeptRuns {
             Ok(database) => database.headers().await.map(|headers| (database, headers)),
             Err(error) => Err(error),
         };
-        let Ok((database, Headers { read, unread })) = opened else {
+        let Ok((database, headers)) = opened else {
             return self.say_not_stored();
         };
-        if unread > 0 {
+        if headers.unread > 0 {
             self.said.set(tr!(
                 "Runs of another version, which this one cannot read: {unread}.",
-                unread
+                unread = headers.unread
             ));
         }
         self.memory
             .update_value(|memory| memory.database = Some(Rc::new(database)));
-        self.list.update(|list| {
-            let known: Vec<u32> = list.iter().map(|run| run.number).collect();
-            // A run without an end was cut off with its page, or another tab runs it.
-            list.extend(read.into_iter().filter_map(|mut run| {
-                if run.outcome == Outcome::Running {
-                    run.outcome = Outcome::PageClosed;
-                }
-                (!known.contains(&run.number)).then_some(run)
-            }));
-            list.sort_by_key(|run| std::cmp::Reverse(run.number));
-        });
+        self.add_new(headers);
         // A run that began before the database was open.
         let begun = self.list.with_untracked(|list| {
             let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
@@ -132,6 +122,39 @@ impl KeptRuns {
         if let Some(header) = begun {
             self.put(header);
         }
+    }
+
+    /// Adds what was stored meanwhile: by the session worker, of an open file, or by another tab.
+    pub(crate) fn read_again(self) {
+        let Some(database) = self.database() else {
+            return;
+        };
+        spawn_local(async move {
+            if let Ok(headers) = database.headers().await {
+                self.add_new(headers);
+            }
+        });
+    }
+
+    fn add_new(self, headers: Headers) {
+        let known: Vec<u32> = self
+            .list
+            .with_untracked(|list| list.iter().map(|run| run.number).collect());
+        let mut new = headers.read;
+        new.retain(|run| !known.contains(&run.number));
+        if new.is_empty() {
+            return;
+        }
+        for run in &mut new {
+            // A run without an end was cut off with its page, or another tab runs it.
+            if run.outcome == Outcome::Running {
+                run.outcome = Outcome::PageClosed;
+            }
+        }
+        self.list.update(|list| {
+            list.extend(new);
+            list.sort_by_key(|run| std::cmp::Reverse(run.number));
+        });
     }
 
     /// The user has deleted all data.

@@ -2,12 +2,10 @@
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
+use motorlink_kept_runs::{BYTES_MAX, RUNS_MAX, too_many};
 use motorlink_messages::experiments::kept::{Outcome, RunHeader};
 
-use super::{
-    bound::{self, too_many},
-    runs::{KeptRuns, RECORDS_MAX},
-};
+use super::runs::{KeptRuns, RECORDS_MAX};
 use crate::ui::clock::page_now_ms;
 
 impl KeptRuns {
@@ -108,8 +106,8 @@ impl KeptRuns {
         self.delete(&gone);
         self.said.set(tr!(
             "The oldest runs were deleted: at most {runs} runs and {size} MB are kept.",
-            runs = bound::RUNS_MAX,
-            size = bound::BYTES_MAX / 1_000_000
+            runs = RUNS_MAX,
+            size = BYTES_MAX / 1_000_000
         ));
     }
 }
