@@ -138,6 +138,7 @@ pub fn info() -> SessionInfo {
         motors: vec![motor(1, 5_990, 65), motor(2, 0, 0)],
         marks: vec![mark(2_000_000), mark(4_000_000)],
         marks_left_out: 3,
+        runs: vec!["Step <i>response</i>".to_owned()],
         problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],
     }
 }

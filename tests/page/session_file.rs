@@ -4,11 +4,15 @@ use js_sys::{Function, Promise};
 use motorlink_messages::{
     encode,
     protocol::Mode,
-    sessions::{FromSessions, NotASession, NotSaved, Progress, SessionExport, ToSessions},
+    sessions::{
+        FromSessions, NotASession, NotSaved, Progress, RunsKept, RunsSaved, SessionExport,
+        ToSessions,
+    },
 };
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{Event, HtmlSelectElement};
 
 use crate::{
     bench::{Bench, document, pause},
@@ -31,6 +35,14 @@ async fn panel(name: &str) -> (FakeSessions, Bench) {
     let is_loaded = || !bench.find_all("button", "Save session").is_empty();
     bench.until("the panel", is_loaded).await;
     (sessions, bench)
+}
+
+fn saved(bytes: u64, runs: RunsSaved) -> FromSessions {
+    FromSessions::Saved {
+        bytes,
+        records: 3_000,
+        runs,
+    }
 }
 
 #[wasm_bindgen_test]
@@ -56,13 +68,63 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
     until_said(&bench, "Saving cancelled").await;
     bench.click("Save session");
     sessions.next().await;
-    let (bytes, records) = (12_345_678, 3_000);
-    sessions.post(&FromSessions::Saved { bytes, records });
+    sessions.post(&saved(12_345_678, RunsSaved::All(0)));
     until_said(&bench, "12.4 MB").await;
     bench.click("Save session");
     sessions.next().await;
     sessions.post(&FromSessions::NotSaved(NotSaved::NoRecorder));
     until_said(&bench, "Reload the page").await;
+    assert!(bench.commands().await.is_empty(), "nothing is driven");
+}
+
+#[wasm_bindgen_test]
+async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
+    let (sessions, bench) = panel("session-span").await;
+    let mut spans = Vec::new();
+    for (choice, runs, said) in [
+        ("everything", RunsSaved::All(0), " records"),
+        ("ten-minutes", RunsSaved::All(2), "Runs of experiments: 2"),
+        ("everything", RunsSaved::NotRead, "Without the runs"),
+    ] {
+        let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
+        what.set_value(choice);
+        what.dispatch_event(&Event::new("change").unwrap()).unwrap();
+        bench.click("Save session");
+        let (ToSessions::Save { last_s, .. }, _) = sessions.next().await else {
+            panic!("it saves")
+        };
+        spans.push(last_s);
+        sessions.post(&saved(1_000, runs));
+        until_said(&bench, said).await;
+    }
+    assert_eq!(spans, [None, Some(600), None]);
+}
+
+#[wasm_bindgen_test]
+async fn the_runs_of_a_file_are_kept_if_asked_for() {
+    let (sessions, bench) = panel("session-runs").await;
+    drop_file("run.mcap");
+    sessions.next().await;
+    sessions.post(&FromSessions::Opened(Box::new(info())));
+    until_said(&bench, "Opened").await;
+    assert_eq!(
+        bench.text("list", "Runs of experiments"),
+        "Step <i>response</i>"
+    );
+    bench.click("Keep these runs");
+    assert_eq!(sessions.next().await.0, ToSessions::KeepRuns);
+    let kept = RunsKept {
+        added: 1,
+        unreadable: 2,
+        ..RunsKept::default()
+    };
+    sessions.post(&FromSessions::RunsKept(Some(kept)));
+    until_said(&bench, "tab Runs of Experiments: 1.").await;
+    until_said(&bench, "cannot be read, damaged or of a later version: 2.").await;
+    bench.click("Keep these runs");
+    sessions.next().await;
+    sessions.post(&FromSessions::RunsKept(None));
+    until_said(&bench, "stores no runs now").await;
     assert!(bench.commands().await.is_empty(), "nothing is driven");
 }
 
@@ -76,8 +138,7 @@ async fn a_chosen_file_is_handed_to_the_worker() {
     bench.click("Save session");
     let (_, objects) = sessions.next().await;
     assert_eq!(objects, 2, "the channel and the handle of the file");
-    let (bytes, records) = (12_345_678, 3_000);
-    sessions.post(&FromSessions::Saved { bytes, records });
+    sessions.post(&saved(12_345_678, RunsSaved::All(0)));
     until_said(&bench, "Saved my wheel.mcap").await;
     let is_there = async || {
         let looked = result(
@@ -194,8 +255,7 @@ fn shared(what: &str) -> Option<String> {
 async fn save(sessions: &FakeSessions, bench: &Bench) {
     bench.click("Save session");
     sessions.next().await;
-    let (bytes, records) = (1_000, 3);
-    sessions.post_file(&FromSessions::Saved { bytes, records }, "content");
+    sessions.post_file(&saved(1_000, RunsSaved::All(0)), "content");
     until_said(bench, "Saved").await;
 }
 

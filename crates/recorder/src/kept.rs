@@ -5,7 +5,7 @@
 //! more. Behind that come the entries of the log; of models with separate frames also their samples, which have no
 //! entries.
 
-use std::ops::Range;
+use std::{ops::Range, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::sessions::{KeptRecord, Progress};
@@ -37,18 +37,38 @@ pub(crate) struct KeptReader {
 }
 
 impl KeptReader {
-    /// Everything that is kept now.
-    pub(crate) fn new(log: &mut Log, recording: &Recording) -> Self {
-        let range = |which| {
+    /// Everything that is kept now; with `last` only so much of its end.
+    pub(crate) fn new(log: &mut Log, recording: &Recording, last: Option<Duration>) -> Self {
+        let all = log.settle();
+        let log = &*log;
+        let entry_at = |number| Some(log.entries().get(number)?.at);
+        let sample_at = |which, number| Some(recording.samples(which).get(number)?.at);
+        let samples = |which| {
             let samples = recording.samples(which);
-            (which, samples.first()..samples.end())
+            samples.first()..samples.end()
         };
+        let newest_sample = |which| sample_at(which, samples(which).end.checked_sub(1)?);
+        let newest = [
+            all.end.checked_sub(1).and_then(entry_at),
+            newest_sample(SampleSet::Recorded),
+            newest_sample(SampleSet::Rolling),
+        ];
+        let newest = newest.into_iter().flatten().max();
+        let since = last.zip(newest).map_or(Instant::ZERO, |(last, newest)| {
+            let last = u64::try_from(last.as_micros()).unwrap_or(u64::MAX);
+            Instant::from_micros(newest.as_micros().saturating_sub(last))
+        });
+        let range = |which| {
+            let range = not_before(since, samples(which), |number| sample_at(which, number));
+            (which, range)
+        };
+        let entries = not_before(since, all, entry_at);
         let mut reader = Self {
-            entries: log.settle(),
             samples: [range(SampleSet::Recorded), range(SampleSet::Rolling)],
             commands: Commands::new(),
             // A sample does not say of which model it is. A line seldom gets another model.
-            model: (log.entries().oldest()).map_or(log.model(), |entry| entry.model),
+            model: (log.entries().get(entries.start)).map_or(log.model(), |entry| entry.model),
+            entries,
             model_in_records: Model::default(),
             read_until: None,
             progress: Progress::default(),
@@ -171,6 +191,24 @@ impl KeptReader {
 fn next<T: Copy>(values: &Chunks<T>, range: &mut Range<u64>) -> Option<T> {
     range.start = range.start.max(values.first()).min(range.end);
     values.get(range.start).filter(|_| !range.is_empty())
+}
+
+/// The part of a range that begins at this time. The values are in order of time.
+fn not_before(
+    since: Instant,
+    range: Range<u64>,
+    at: impl Fn(u64) -> Option<Instant>,
+) -> Range<u64> {
+    let (mut start, mut end) = (range.start, range.end);
+    while start < end {
+        let middle = start.midpoint(end);
+        if at(middle).is_some_and(|at| at < since) {
+            start = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    start..range.end
 }
 
 #[cfg(test)]

@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use motorlink_messages::{
     recorder::ToRecorder,
     sessions::{Kept, NotSaved},
@@ -52,14 +54,20 @@ fn recorder(log: u64) -> Recorder {
 
 /// Everything that is kept, in parts of this number.
 fn kept(recorder: &mut Recorder, most: u64) -> Vec<KeptRecord> {
+    kept_of(recorder, None, most)
+}
+
+/// The same, of so much of its end.
+fn kept_of(recorder: &mut Recorder, last: Option<Duration>, most: u64) -> Vec<KeptRecord> {
     let mut all = Vec::new();
-    for part in 0.. {
+    let mut next = recorder.kept_from_begin(last, most);
+    loop {
         let Kept::Part {
             records,
             is_last,
             progress,
             ..
-        } = recorder.kept(part == 0, most)
+        } = next
         else {
             panic!("the log has changed")
         };
@@ -69,6 +77,7 @@ fn kept(recorder: &mut Recorder, most: u64) -> Vec<KeptRecord> {
             assert_eq!(progress.done, progress.of);
             break;
         }
+        next = recorder.kept(most);
     }
     all
 }
@@ -95,6 +104,30 @@ fn every_entry_is_kept_as_it_was_and_no_sample_twice() {
     for most in [1, 2, 3, 100] {
         assert_eq!(kept(&mut recorder, most), expected);
     }
+}
+
+#[test]
+fn the_last_minutes_are_the_end_of_everything() {
+    let mut recorder = recorder(2);
+    recorder.handle(ToRecorder::Record(true));
+    for millis in 1..=10 {
+        recorder.add_event(&received(millis));
+    }
+    // Of the last two there are entries, of the others only samples. No loop was asked for.
+    let all = kept(&mut recorder, 100);
+    assert_eq!(all.len(), 10);
+    for millis in 0..=12 {
+        let last = Duration::from_millis(millis);
+        let end = all
+            .len()
+            .saturating_sub(1 + usize::try_from(millis).unwrap());
+        assert_eq!(
+            kept_of(&mut recorder, Some(last), 3),
+            all[end..],
+            "{millis}"
+        );
+    }
+    assert_eq!(kept_of(&mut recorder, Some(Duration::MAX), 3), all);
 }
 
 #[test]
@@ -153,7 +186,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
     for millis in 0..3 {
         recorder.add_event(&sent(millis, QUERY));
     }
-    let Kept::Part { records, .. } = recorder.kept(true, 1) else {
+    let Kept::Part { records, .. } = recorder.kept_from_begin(None, 1) else {
         panic!("a part")
     };
     assert_eq!(records.last(), Some(&KeptRecord::Line(sent(0, QUERY))));
@@ -161,7 +194,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
     recorder.add_event(&sent(11, QUERY));
     let Kept::Part {
         records, is_last, ..
-    } = recorder.kept(false, 100)
+    } = recorder.kept(100)
     else {
         panic!("a part")
     };
@@ -176,11 +209,11 @@ fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_as_a_reading() {
         let mut recorder = recorder(4);
         recorder.handle(ToRecorder::Record(true));
         (1..=6).for_each(|millis| recorder.add_event(&received(millis)));
-        let Kept::Part { mut records, .. } = recorder.kept(true, read_before) else {
+        let Kept::Part { mut records, .. } = recorder.kept_from_begin(None, read_before) else {
             panic!("a part")
         };
         (7..=8).for_each(|millis| recorder.add_event(&received(millis)));
-        let Kept::Part { records: rest, .. } = recorder.kept(false, 100) else {
+        let Kept::Part { records: rest, .. } = recorder.kept(100) else {
             panic!("a part")
         };
         records.extend(rest);
@@ -233,9 +266,9 @@ fn a_log_that_was_cleared_or_restored_meanwhile_is_said() {
         recorder.add_event(&sent(millis, QUERY));
     }
     for message in [ToRecorder::Clear, ToRecorder::EndClear { undo: true }] {
-        recorder.kept(true, 1);
+        recorder.kept_from_begin(None, 1);
         recorder.handle(message);
-        assert_eq!(recorder.kept(false, 1), Kept::Changed);
+        assert_eq!(recorder.kept(1), Kept::Changed);
     }
     assert_eq!(kept(&mut recorder, 2).len(), 5);
 }

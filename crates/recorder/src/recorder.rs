@@ -351,14 +351,19 @@ impl Recorder {
         is_empty.then_some(NotSaved::Nothing)
     }
 
-    /// The next part of what is kept, of at most this number of entries and samples. `first` begins again, with all
-    /// that is kept now.
-    pub fn kept(&mut self, first: bool, most: u64) -> Kept {
+    /// The first part of what is kept now, of at most this number of entries and samples; with `last` only of so much
+    /// of its end.
+    pub fn kept_from_begin(&mut self, last: Option<Duration>, most: u64) -> Kept {
+        if self.restoring.is_none() {
+            self.kept = Some(KeptReader::new(&mut self.log, &self.recording, last));
+        }
+        self.kept(most)
+    }
+
+    /// The next part, of at most this number of entries and samples.
+    pub fn kept(&mut self, most: u64) -> Kept {
         if self.restoring.is_some() {
             return Kept::Restoring;
-        }
-        if first {
-            self.kept = Some(KeptReader::new(&mut self.log, &self.recording));
         }
         let Some(reader) = &mut self.kept else {
             return Kept::Changed;

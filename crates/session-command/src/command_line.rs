@@ -33,7 +33,7 @@ pub enum Action {
         /// What to make of it.
         #[arg(long, value_enum, default_value_t = Format::Plot)]
         format: Format,
-        /// Where to write it; without it, to the standard output.
+        /// Where to write it; without it, to the standard output. Of `runs` it is a folder, or the present one.
         #[arg(long)]
         out: Option<PathBuf>,
     },
@@ -52,4 +52,6 @@ pub enum Format {
     Report,
     /// A session file, such as of a CSV file.
     Mcap,
+    /// Each run of an experiment as two files: JSON, and CSV of its setpoints and samples.
+    Runs,
 }

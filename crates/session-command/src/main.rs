@@ -4,6 +4,7 @@ mod command_line;
 mod export;
 mod file;
 mod info;
+mod runs;
 
 use std::process::ExitCode;
 

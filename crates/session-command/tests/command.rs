@@ -8,10 +8,46 @@ use std::{
 };
 
 use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Instant, Layout, Mode};
+use motorlink_messages::experiments::{
+    kept::{Outcome, RunHeader, run_from_json},
+    runner::{Record as RunRecord, RecordPart, Sample},
+};
+use motorlink_protocol::{Current, Instant, Layout, Mode, MotorId};
 use motorlink_session::{Event, EventKind, Writer};
 
 struct Fixture(tempfile::TempDir);
+
+/// A run with one reply.
+fn run() -> (RunHeader, RunRecord) {
+    let id = MotorId::new(1).unwrap();
+    let header = RunHeader {
+        number: 1_795_266_946,
+        name: "../gravel \u{1b}[2J".to_owned(),
+        study: String::new(),
+        motors: vec![(id, "front left".to_owned())],
+        model: "ddsm115".to_owned(),
+        setup: "{}".to_owned(),
+        page_version: "0.1.0".to_owned(),
+        began_unix_ms: 1_795_266_946_962.0,
+        began: Some(Instant::ZERO),
+        request_hz: 50.0,
+        outcome: Outcome::PageClosed,
+        bytes: 0,
+    };
+    let mut record = header.record();
+    record.add_part(RecordPart {
+        samples: vec![Sample {
+            id,
+            at: Instant::from_millis(20),
+            rpm: 98,
+            current: Current::from_raw(717),
+            degrees: Some(66.96),
+            celsius: None,
+        }],
+        ..RecordPart::default()
+    });
+    (header, record)
+}
 
 impl Fixture {
     fn new() -> Self {
@@ -37,6 +73,8 @@ impl Fixture {
             });
         }
         writer.attach("setup.json", "application/json", b"{}");
+        let (header, record) = run();
+        writer.attach_run(&header, &record);
         fs::write(fixture.path("run.mcap"), writer.finish()).unwrap();
         fixture
     }
@@ -154,6 +192,40 @@ fn every_format_is_written() {
         fixture
             .prints(&["info", "copy.mcap"])
             .contains("setup.json")
+    );
+}
+
+#[test]
+fn runs_are_written_as_files_of_a_folder() {
+    let fixture = Fixture::new();
+    let text = fixture.prints(&["info", "run.mcap"]);
+    assert!(
+        text.contains("attachment  run-1795266946 ..-gravel"),
+        "{text}"
+    );
+    let text = fixture.prints(&["export", "run.mcap", "--format", "runs", "--out", "runs"]);
+    assert_eq!(
+        text,
+        "../gravel [2J: runs/run-1795266946.json, runs/run-1795266946.csv\n"
+    );
+    let read = |name| fs::read_to_string(fixture.path(name)).unwrap();
+    let table = read("runs/run-1795266946.csv");
+    assert!(table.contains("\n0.020000,1,98,0.175,66.96,,"), "{table}");
+    let (again, _) = run_from_json(&read("runs/run-1795266946.json")).unwrap();
+    assert_eq!(again.motors, run().0.motors);
+    // A copy of the session has it too.
+    let copy = [
+        "export",
+        "run.mcap",
+        "--format",
+        "mcap",
+        "--out",
+        "copy.mcap",
+    ];
+    fixture.prints(&copy);
+    assert_eq!(
+        fixture.prints(&["export", "copy.mcap", "--format", "runs"]),
+        "../gravel [2J: ./run-1795266946.json, ./run-1795266946.csv\n"
     );
 }
 

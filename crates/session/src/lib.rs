@@ -10,6 +10,7 @@
 //! | `writer` | records in, bytes of a file out |
 //! | `reader` | bytes of a file in, records out |
 //! | `replay` | plays records: what the page shows at a place of the session |
+//! | `runs` | runs of experiments as attachments |
 //! | `copy` | copies a file with other bookmarks |
 //! | `export` | CSV tables and a report |
 //! | `import` | CSV files as sessions |
@@ -52,6 +53,7 @@ mod page_messages;
 mod reader;
 mod record;
 mod replay;
+mod runs;
 mod writer;
 
 pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
@@ -65,4 +67,5 @@ pub use reader::{
 };
 pub use record::{Event, EventKind, Record, What};
 pub use replay::{LookBack, Player, Todo};
+pub use runs::{AttachedRun, RunEvents};
 pub use writer::Writer;

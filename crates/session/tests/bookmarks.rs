@@ -115,7 +115,7 @@ fn the_official_crate_reads_a_copy() {
     let summary = mcap::Summary::read(&file).unwrap().unwrap();
     let statistics = summary.stats.clone().unwrap();
     assert_eq!(statistics.message_count, messages.len() as u64);
-    assert_eq!(statistics.attachment_count, 2);
+    assert_eq!(statistics.attachment_count, 3);
     let mut indexed = 0;
     for chunk in &summary.chunk_indexes {
         for (channel, entries) in &summary.read_message_indexes(&file, chunk).unwrap() {

@@ -44,6 +44,8 @@ def main(path, messages_expected, frames_expected):
         metadata = {one.name: one.metadata for one in reader.iter_metadata()}
     assert metadata["motorlink"]["version"] == "1", metadata
     json.loads(attachments["overview.json"])
+    runs = [json.loads(data) for name, data in attachments.items() if name.startswith("run-")]
+    assert [(len(run["samples"]), len(run["sent"])) for run in runs] == [(50, 1)], runs
     counts = {summary.channels[number].topic: count
               for number, count in summary.statistics.channel_message_counts.items() if count}
     assert counts == dict(topics), (counts, topics)

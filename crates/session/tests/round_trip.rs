@@ -121,7 +121,7 @@ fn the_official_crate_reads_every_message() {
     }
     let total: u64 = counts.values().sum();
     assert_eq!(statistics.message_count, total);
-    assert_eq!(statistics.attachment_count, 2);
+    assert_eq!(statistics.attachment_count, 3);
     let topics: Vec<&str> = counts.keys().map(String::as_str).collect();
     assert_eq!(
         topics,

@@ -6,7 +6,7 @@ use js_sys::Reflect;
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::{
-    FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions,
+    FromSessions, NotSaved, Progress, RunsSaved, SessionExport, SessionInfo, ToSessions,
 };
 use wasm_bindgen::JsValue;
 use web_sys::{Blob, MessageChannel};
@@ -39,6 +39,33 @@ pub(super) struct Said {
     pub(super) text: String,
 }
 
+/// How much of what is kept is saved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Span {
+    #[default]
+    Everything,
+    TenMinutes,
+}
+
+impl Span {
+    pub(super) const ALL: [Self; 2] = [Self::Everything, Self::TenMinutes];
+
+    pub(super) const fn key(self) -> &'static str {
+        match self {
+            Self::Everything => "everything",
+            Self::TenMinutes => "ten-minutes",
+        }
+    }
+
+    /// The seconds up to the newest record; `None` for everything.
+    const fn last_s(self) -> Option<u32> {
+        match self {
+            Self::Everything => None,
+            Self::TenMinutes => Some(600),
+        }
+    }
+}
+
 /// Session files.
 #[derive(Clone, Copy)]
 pub(crate) struct SessionFiles {
@@ -56,6 +83,8 @@ pub(crate) struct SessionFiles {
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     /// The name of the file whose bookmarks stay although its worker has ended; else empty.
     lost: StoredValue<String>,
+    /// How much is saved.
+    pub(super) span: RwSignal<Span>,
     /// What the panel says about saving.
     pub(super) saved: RwSignal<Said>,
     /// What the panel says about the open file.
@@ -90,6 +119,7 @@ impl SessionFiles {
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
                     lost: StoredValue::default(),
+                    span: RwSignal::default(),
                     saved: RwSignal::default(),
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
@@ -253,6 +283,7 @@ impl SessionFiles {
         let message = ToSessions::Save {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             setup: self.page.setup().to_json(),
+            last_s: self.span.get_untracked().last_s(),
         };
         self.post(&message, handle, &[channel.port2().into()]);
         connected.is_some()
@@ -352,6 +383,13 @@ impl SessionFiles {
         self.post(&ToSessions::Export(what), &[], &[]);
     }
 
+    /// Adds the runs of experiments in the open file to those of the browser.
+    pub(super) fn keep_runs(self) {
+        self.reading.set(Some(0));
+        self.say(false, "");
+        self.post(&ToSessions::KeepRuns, &[], &[]);
+    }
+
     /// Cancels opening or exporting.
     pub(super) fn cancel_reading(self) {
         if self.reading.get_untracked().is_some() {
@@ -362,7 +400,11 @@ impl SessionFiles {
     fn on_message(self, message: FromSessions, file: Option<&Blob>) {
         match message {
             FromSessions::Saving(progress) => show(self.saving, progress),
-            FromSessions::Saved { bytes, records } => {
+            FromSessions::Saved {
+                bytes,
+                records,
+                runs,
+            } => {
                 self.saving.set(None);
                 let chosen = self.chosen.try_update(Option::take).flatten();
                 let name = self.saved_as.get_value();
@@ -373,7 +415,11 @@ impl SessionFiles {
                 if let Some(content) = content {
                     self.shareable.offer(content);
                 }
-                self.say_of_saving(false, texts::of_saved(&name, bytes, records));
+                let mut said = texts::of_saved(&name, bytes, records);
+                if let Some(words) = texts::of_runs_saved(runs) {
+                    said = [&said, words.as_str()].join(". ");
+                }
+                self.say_of_saving(runs == RunsSaved::NotRead, said);
             }
             FromSessions::NotSaved(why) => self.not_saved(why),
             FromSessions::Reading(progress) => show(self.reading, progress),
@@ -391,6 +437,11 @@ impl SessionFiles {
                     }
                 });
                 self.open.set(Some(Rc::new(*info)));
+            }
+            FromSessions::RunsKept(kept) => {
+                self.reading.set(None);
+                let (error, words) = texts::of_runs_kept(kept);
+                self.say(error, words);
             }
             FromSessions::NotOpened(why) => {
                 self.reading.set(None);

@@ -66,6 +66,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                 <tbody>{motors}</tbody>
             </table>
             {events(files.player, info)}
+            {runs(files, info, Signal::derive(reads))}
             <div class="button-row">
                 <PressButton
                     label=tr!("Save copy")
@@ -95,6 +96,31 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                     tr!("The packet log as CSV"),
                 )}
             </div>
+        </div>
+    }
+}
+
+/// The runs of experiments in the file.
+fn runs(
+    files: SessionFiles,
+    info: &SessionInfo,
+    reads: Signal<Option<String>>,
+) -> impl IntoView + use<> {
+    let rows = info
+        .runs
+        .iter()
+        .map(|name| view! { <li>{name.clone()}</li> });
+    view! {
+        <div class="session-runs" hidden=info.runs.is_empty()>
+            <h4>{tr!("Runs of experiments")}</h4>
+            <ul aria-label=tr!("Runs of experiments")>{rows.collect_view()}</ul>
+            <PressButton
+                label=tr!("Keep these runs")
+                class="button small"
+                hint=tr!("Adds them with their data to the tab Runs of Experiments, where they are compared and exported.")
+                disabled_reason=reads
+                on_press=move || files.keep_runs()
+            />
         </div>
     }
 }

@@ -7,9 +7,10 @@ use web_sys::HtmlInputElement;
 
 use crate::{
     features::session::{
-        actions::{Said, SessionFiles},
+        actions::{Said, SessionFiles, Span},
         content::content,
         incoming::Incoming,
+        texts,
     },
     model::{recorder_texts::no_recorder, snapshot::Session},
     ui::{
@@ -65,6 +66,7 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                 )}
             </p>
             <div class="button-row">
+                {span_choice(files)}
                 <ExportButton
                     label=tr!("Save session")
                     cancel_label=tr!("Cancel saving")
@@ -108,6 +110,29 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             {share_button(files)}
             {move || files.open.get().map(|info| content(files, &info))}
         </div>
+    }
+}
+
+/// How much is saved.
+fn span_choice(files: SessionFiles) -> impl IntoView {
+    let options = Span::ALL.map(|span| {
+        let selected = files.span.get_untracked() == span;
+        view! { <option value=span.key() selected=selected>{texts::of_span(span)}</option> }
+    });
+    let choose = move |event| {
+        let key = event_target_value(&event);
+        if let Some(span) = Span::ALL.into_iter().find(|span| span.key() == key) {
+            files.span.set(span);
+        }
+    };
+    view! {
+        <select
+            class="select"
+            aria-label=tr!("What to save")
+            on:change=handler(choose)
+        >
+            {options.collect_view()}
+        </select>
     }
 }
 

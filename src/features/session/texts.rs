@@ -1,10 +1,12 @@
 //! The texts of session files.
 
 use motorlink_i18n::tr;
-use motorlink_messages::sessions::{NotASession, NotSaved, Problem, SessionExport};
+use motorlink_messages::sessions::{
+    NotASession, NotSaved, Problem, RunsKept, RunsSaved, SessionExport,
+};
 
 use crate::{
-    features::session::bookmarks::BOOKMARKS_MAX,
+    features::session::{actions::Span, bookmarks::BOOKMARKS_MAX},
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };
@@ -17,6 +19,59 @@ pub(super) fn of_saved(name: &str, bytes: u64, records: u64) -> String {
         size = size(bytes),
         records = grouped(records)
     )
+}
+
+/// How much is saved.
+pub(super) fn of_span(span: Span) -> &'static str {
+    match span {
+        Span::Everything => tr!("Everything kept"),
+        Span::TenMinutes => tr!("Last 10 minutes"),
+    }
+}
+
+/// The runs of experiments in a saved session; `None` if there are none.
+pub(super) fn of_runs_saved(runs: RunsSaved) -> Option<String> {
+    match runs {
+        RunsSaved::All(0) => None,
+        RunsSaved::All(count) => Some(tr!("Runs of experiments: {count}", count)),
+        RunsSaved::NotRead => Some(
+            tr!("Without the runs of experiments: this browser cannot read what it keeps.")
+                .to_owned(),
+        ),
+    }
+}
+
+/// What became of the runs of experiments in an open file, and whether it is an error. `None` if the browser keeps no runs.
+pub(super) fn of_runs_kept(kept: Option<RunsKept>) -> (bool, String) {
+    let Some(kept) = kept else {
+        let words = tr!("Not kept: this browser stores no runs now.");
+        return (true, words.to_owned());
+    };
+    let mut words = Vec::new();
+    let mut add = |count: u32, text: &dyn Fn(u32) -> String| {
+        if count > 0 {
+            words.push(text(count));
+        }
+    };
+    add(kept.added, &|count| {
+        tr!("Runs added to the tab Runs of Experiments: {count}.", count)
+    });
+    add(kept.known, &|count| {
+        tr!("Runs that were there already: {count}.", count)
+    });
+    add(kept.unreadable, &|count| {
+        tr!(
+            "Runs that cannot be read, damaged or of a later version: {count}.",
+            count
+        )
+    });
+    add(kept.no_room, &|count| {
+        tr!(
+            "Runs without room: {count}. Delete some in Experiments, then try again.",
+            count
+        )
+    });
+    (kept.unreadable + kept.no_room > 0, words.join(" "))
 }
 
 /// Why there is no room for another bookmark.

@@ -324,6 +324,10 @@ fn optional<T>(
     read(value).map(Some).ok_or(JsonError { place: "samples" })
 }
 
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the shortest text of an `f32` gives the same `f32` again"
+)]
 fn sample(row: &[RawJsonValue<'_, '_>]) -> Option<Sample> {
     let [at, id, rpm, current, degrees, celsius] = row else {
         return None;
@@ -333,7 +337,7 @@ fn sample(row: &[RawJsonValue<'_, '_>]) -> Option<Sample> {
         at: Instant::from_micros(whole(at)?),
         rpm: whole(rpm)?,
         current: Current::from_raw(whole(current)?),
-        degrees: optional(degrees, |it| it.as_number_str().ok()?.parse().ok()).ok()?,
+        degrees: optional(degrees, |it| Some(real(it)? as f32)).ok()?,
         celsius: optional(celsius, whole).ok()?,
     })
 }

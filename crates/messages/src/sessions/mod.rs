@@ -23,6 +23,8 @@ pub enum ToSessions {
         version: String,
         /// The setup as JSON.
         setup: String,
+        /// Only so many seconds, up to the newest record; `None` for everything.
+        last_s: Option<u32>,
     },
     /// Cancel the saving.
     CancelSave,
@@ -36,6 +38,8 @@ pub enum ToSessions {
     /// Write a copy of the open session with these bookmarks instead of its own. Answered as an export, with
     /// [`SessionExport::Copy`].
     SaveCopy(Vec<Bookmark>),
+    /// Add the runs of experiments in the open session to those that the browser keeps.
+    KeepRuns,
     /// Cancel opening and exporting.
     CancelReading,
     /// Replay the open session.
@@ -68,6 +72,8 @@ pub enum FromSessions {
         bytes: u64,
         /// Entries of the packet log and samples in it.
         records: u64,
+        /// The runs of experiments in it.
+        runs: RunsSaved,
     },
     /// No session was saved.
     NotSaved(NotSaved),
@@ -86,12 +92,36 @@ pub enum FromSessions {
         /// Problems that reading every record has found, and how often.
         problems: Vec<(Problem, u64)>,
     },
+    /// The runs of the open session are among those that the browser keeps; `None` if it keeps none now.
+    RunsKept(Option<RunsKept>),
     /// Opening or exporting was cancelled.
     Cancelled,
     /// The replay of the open session.
     Replay(FromReplay),
     /// The worker has failed.
     Died,
+}
+
+/// The runs of experiments in a saved session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RunsSaved {
+    /// So many.
+    All(u32),
+    /// The browser could not read those that it keeps.
+    NotRead,
+}
+
+/// What became of the runs of experiments in an open session, by number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunsKept {
+    /// Added.
+    pub added: u32,
+    /// The browser had kept them already.
+    pub known: u32,
+    /// Unreadable: damaged, or of a later version.
+    pub unreadable: u32,
+    /// There was no room for them: for so many runs, for so many bytes, or on the disk.
+    pub no_room: u32,
 }
 
 /// A part of a whole.
@@ -162,6 +192,8 @@ pub struct SessionInfo {
     pub marks: Vec<SessionMark>,
     /// Events that are in the file but not in `marks`.
     pub marks_left_out: u64,
+    /// The names of the runs of experiments whose data is in the file.
+    pub runs: Vec<String>,
     /// What is missing or unreadable, and how often.
     pub problems: Vec<(Problem, u64)>,
 }

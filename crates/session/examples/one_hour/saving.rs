@@ -24,7 +24,11 @@ pub fn measure() {
     let (mut longest, mut took) = (Duration::ZERO, Duration::ZERO);
     loop {
         let began = Instant::now();
-        let kept = recorder.kept(writer.is_none(), PART);
+        let kept = if writer.is_none() {
+            recorder.kept_from_begin(None, PART)
+        } else {
+            recorder.kept(PART)
+        };
         longest = longest.max(began.elapsed());
         let Kept::Part {
             zero_us,

@@ -2,6 +2,10 @@
 #![allow(dead_code, reason = "not every test needs all of it")]
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind, StopOutcome};
+use motorlink_messages::experiments::{
+    kept::{Outcome, RunHeader},
+    runner::{End, Mark, Record as RunRecord, RecordPart, Sample, SentSetpoint},
+};
 use motorlink_protocol::{
     Current, Detail, Fault, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Request, Rpm,
     Setpoint, SpeedTarget,
@@ -89,7 +93,48 @@ pub fn records() -> Vec<Record> {
     records
 }
 
-/// A file of these records.
+/// A run of an experiment that begins after 10 s: 50 replies while the motor drives at 100 rpm.
+pub fn run() -> (RunHeader, RunRecord) {
+    let began = Instant::from_millis(10_000);
+    let at = |n: u64| Instant::from_millis(10_000 + n * 20);
+    let end = End::Finished { at: at(50) };
+    let header = RunHeader {
+        number: 1_795_266_946,
+        name: "Kies/Sand: \"4 kg\" 试验".to_owned(),
+        study: r#"{"study":"of another version"}"#.to_owned(),
+        motors: vec![(id(1), "front left".to_owned())],
+        model: "ddsm115".to_owned(),
+        setup: SETUP.to_owned(),
+        page_version: "0.1.0".to_owned(),
+        began_unix_ms: 1_795_266_946_962.0,
+        began: Some(began),
+        request_hz: 50.0,
+        outcome: Outcome::Ended(end),
+        bytes: 0,
+    };
+    let samples = (0..50).map(|n| Sample {
+        id: id(1),
+        at: at(n),
+        rpm: i16::try_from(n * 2).unwrap(),
+        current: Current::from_raw(300),
+        degrees: Some(66.96),
+        celsius: (n % 10 == 0).then_some(33),
+    });
+    let setpoint = Setpoint::velocity(SpeedTarget::new(100).unwrap());
+    let mut record = header.record();
+    record.add_part(RecordPart {
+        samples: samples.collect(),
+        sent: vec![SentSetpoint {
+            id: id(1),
+            at: began,
+            setpoint,
+        }],
+        marks: vec![Mark { at: began, step: 0 }],
+    });
+    (header, record)
+}
+
+/// A file of these records, with the setup and a run.
 pub fn file_of(records: &[Record]) -> Vec<u8> {
     let mut writer = Writer::new(ZERO_US, &[("page", "0.1.0")]);
     let mut file = Vec::new();
@@ -98,6 +143,8 @@ pub fn file_of(records: &[Record]) -> Vec<u8> {
         file.extend(writer.take());
     }
     writer.attach("setup.json", "application/json", SETUP.as_bytes());
+    let (header, record) = run();
+    writer.attach_run(&header, &record);
     file.extend(writer.finish());
     file
 }

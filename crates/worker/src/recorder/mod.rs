@@ -24,6 +24,7 @@ use self::{
 };
 use crate::{
     blob_parts::{CSV, Parts},
+    kept_request::KeptRequest,
     local_time::local_time,
     scope::{self, Clock, Incoming, report},
     turn_scheduler::TurnScheduler,
@@ -107,8 +108,12 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
             let reason = shared.borrow().recorder.not_kept();
             return answer(&answers, encode(&reason).map_err(|error| error.to_string()));
         }
-        if let Some(first) = event.data().as_bool() {
-            let kept = shared.borrow_mut().recorder.kept(first, KEPT_STEP);
+        if let Some(request) = KeptRequest::of(&event.data()) {
+            let recorder = &mut shared.borrow_mut().recorder;
+            let kept = match request {
+                KeptRequest::First(last) => recorder.kept_from_begin(last, KEPT_STEP),
+                KeptRequest::Next => recorder.kept(KEPT_STEP),
+            };
             return answer(&answers, encode(&kept).map_err(|error| error.to_string()));
         }
         let bytes = Uint8Array::new(&event.data()).to_vec();

@@ -31,6 +31,7 @@ pub(super) fn info(open: &OpenSession) -> SessionInfo {
         motors: overview.motors().map(motor).collect(),
         marks: overview.marks().iter().map(mark).collect(),
         marks_left_out: overview.marks_left_out,
+        runs: open.session.runs().map(|run| run.name).collect(),
         problems: open.problems.iter().collect(),
     }
 }

@@ -7,6 +7,7 @@
 //! | `opening` | opens a file |
 //! | `open_session` | a file that is open |
 //! | `reading` | reads its records, and writes other files from them |
+//! | `runs` | the runs of experiments in a file |
 //! | `copying` | copies it with other bookmarks |
 //! | `replay`, `replaying` | the replay of an open file |
 //! | `source` | the bytes of an open file |
@@ -20,12 +21,13 @@ mod opening;
 mod reading;
 mod replay;
 mod replaying;
+mod runs;
 mod saving;
 mod source;
 mod state;
 mod target;
 
-use std::{cell::RefCell, rc::Rc};
+use std::{cell::RefCell, rc::Rc, time::Duration};
 
 use js_sys::{Array, Uint8Array};
 use motorlink_messages::{
@@ -72,7 +74,11 @@ pub(crate) fn died() {
 /// Handles a message of the page; `parts` are what was posted with it.
 fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
     match message {
-        ToSessions::Save { version, setup } => {
+        ToSessions::Save {
+            version,
+            setup,
+            last_s,
+        } => {
             // The channel is the last one.
             let Ok(recorder) = parts.pop().dyn_into::<MessagePort>() else {
                 return post(&FromSessions::NotSaved(NotSaved::NoRecorder));
@@ -83,7 +89,13 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             }
             let shared = Rc::clone(shared);
             spawn_local(async move {
-                saving::save(&shared, recorder, handle, &version, &setup).await;
+                let last = last_s.map(|seconds| Duration::from_secs(seconds.into()));
+                let what = saving::What {
+                    version,
+                    setup,
+                    last,
+                };
+                saving::save(&shared, recorder, handle, &what).await;
             });
         }
         ToSessions::CancelSave => {
@@ -117,6 +129,13 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             };
             let (shared, task) = (Rc::clone(shared), begin_reading(shared));
             spawn_local(async move { copying::copy(&shared, task, &open, &bookmarks).await });
+        }
+        ToSessions::KeepRuns => {
+            let Some(open) = shared.borrow().open.clone() else {
+                return post(&FromSessions::Cancelled);
+            };
+            let (shared, task) = (Rc::clone(shared), begin_reading(shared));
+            spawn_local(async move { runs::keep(&shared, task, &open).await });
         }
         ToSessions::CancelReading => {
             begin_reading(shared);

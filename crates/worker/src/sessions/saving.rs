@@ -3,21 +3,24 @@
 //! The worker requests the next part when it has written the one before, so at most one part waits. Between two parts
 //! it receives messages, such as the one that cancels.
 
+use std::time::Duration;
+
 use js_sys::{Promise, Uint8Array};
-use motorlink_bus::LineEvent;
 use motorlink_messages::{
     decode,
-    sessions::{FromSessions, Kept, KeptRecord, NotSaved},
+    sessions::{FromSessions, Kept, KeptRecord, NotSaved, RunsSaved},
 };
-use motorlink_session::{Event, Writer};
-use wasm_bindgen::{JsCast, JsValue};
+use motorlink_session::{Event, RunEvents, Writer};
+use wasm_bindgen::JsCast;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{FileSystemFileHandle, MessageEvent, MessagePort};
 
 use super::{
+    runs,
     state::{Reporter, Shared, post, post_file},
     target::Target,
 };
+use crate::kept_request::KeptRequest;
 
 /// Bytes per write: a chunk of the file.
 const PIECE: usize = 256 << 10;
@@ -25,19 +28,28 @@ const PIECE: usize = 256 << 10;
 /// The media type of MCAP files, which is not registered.
 pub(super) const MCAP: &str = "application/octet-stream";
 
+/// What is saved.
+pub(super) struct What {
+    /// The version of the page.
+    pub(super) version: String,
+    /// The setup as JSON.
+    pub(super) setup: String,
+    /// Only so much, up to the newest record.
+    pub(super) last: Option<Duration>,
+}
+
 /// Saves what the recorder keeps, and posts the outcome.
 pub(super) async fn save(
     shared: &Shared,
     recorder: MessagePort,
     handle: Option<FileSystemFileHandle>,
-    version: &str,
-    setup: &str,
+    what: &What,
 ) {
     let kept = KeptParts {
         shared: shared.clone(),
         port: recorder,
     };
-    let outcome = write(&kept, handle, version, setup).await;
+    let outcome = write(&kept, handle, what).await;
     kept.port.close();
     {
         let worker = &mut *shared.borrow_mut();
@@ -56,8 +68,7 @@ struct KeptParts {
 }
 
 impl KeptParts {
-    /// Requests the next part, or all from the beginning.
-    async fn next(&self, first: bool) -> Result<Kept, NotSaved> {
+    async fn request(&self, part: KeptRequest) -> Result<Kept, NotSaved> {
         if !self.shared.borrow().is_saving {
             return Err(NotSaved::Cancelled);
         }
@@ -65,7 +76,7 @@ impl KeptParts {
             self.port.set_onmessage(Some(&resolve));
             self.shared.borrow_mut().wake = Some(resolve);
         });
-        let posted = self.port.post_message(&JsValue::from_bool(first));
+        let posted = self.port.post_message(&part.message());
         posted.map_err(|_| NotSaved::NoRecorder)?;
         let answer = JsFuture::from(answer).await.ok();
         let event = answer.and_then(|answer| answer.dyn_into::<MessageEvent>().ok());
@@ -79,10 +90,9 @@ impl KeptParts {
 async fn write(
     kept: &KeptParts,
     handle: Option<FileSystemFileHandle>,
-    version: &str,
-    setup: &str,
+    what: &What,
 ) -> Result<(), NotSaved> {
-    let mut part = kept.next(true).await?;
+    let mut part = kept.request(KeptRequest::First(what.last)).await?;
     if let Kept::Part {
         records,
         is_last: true,
@@ -93,7 +103,7 @@ async fn write(
         return Err(NotSaved::Nothing);
     }
     let mut target = Target::open(handle).await?;
-    match write_to(kept, &mut part, &mut target, version, setup).await {
+    match write_to(kept, &mut part, &mut target, what).await {
         Ok(message) => {
             if let Some(mut parts) = target.complete().await? {
                 return post_file(&message, &mut parts, MCAP).map_err(|_| NotSaved::NoRoom);
@@ -113,11 +123,11 @@ async fn write_to(
     kept: &KeptParts,
     part: &mut Kept,
     target: &mut Target,
-    version: &str,
-    setup: &str,
+    what: &What,
 ) -> Result<FromSessions, NotSaved> {
     let mut reporter = Reporter::new(&kept.shared, FromSessions::Saving);
     let mut writer: Option<Writer> = None;
+    let mut run_events = RunEvents::default();
     let (mut bytes, mut records) = (0, 0);
     loop {
         let (zero_us, progress, slice, is_last) = match std::mem::replace(part, Kept::Changed) {
@@ -130,10 +140,18 @@ async fn write_to(
             Kept::Restoring => return Err(NotSaved::Restoring),
             Kept::Changed => return Err(NotSaved::Changed),
         };
-        let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &[("page", version)]));
+        let about = [("page", what.version.as_str())];
+        let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &about));
         records += slice.len() as u64;
         for record in slice {
-            add(writer, record);
+            match record {
+                KeptRecord::Line(event) => writer.line(&event),
+                KeptRecord::Message { at, error, text } => {
+                    let event = Event::of_page(&text, error);
+                    run_events.add(at, zero_us, &event);
+                    writer.event(at, &event);
+                }
+            }
         }
         if writer.written() >= PIECE {
             let piece = writer.take();
@@ -144,20 +162,28 @@ async fn write_to(
         if is_last {
             break;
         }
-        *part = kept.next(false).await?;
+        *part = kept.request(KeptRequest::Next).await?;
     }
+    let mut runs = RunsSaved::All(0);
     if let Some(mut writer) = writer {
-        writer.attach("setup.json", "application/json", setup.as_bytes());
+        writer.attach("setup.json", "application/json", what.setup.as_bytes());
+        runs = runs::attach(&run_events, async |header, record| {
+            if !kept.shared.borrow().is_saving {
+                return Err(NotSaved::Cancelled);
+            }
+            writer.attach_run(header, record);
+            let piece = writer.take();
+            bytes += piece.len() as u64;
+            target.write(&piece).await
+        })
+        .await?;
         let rest = writer.finish();
         bytes += rest.len() as u64;
         target.write(&rest).await?;
     }
-    Ok(FromSessions::Saved { bytes, records })
-}
-
-fn add(writer: &mut Writer, record: KeptRecord) {
-    match record {
-        KeptRecord::Line(LineEvent { at, kind }) => writer.line(&LineEvent { at, kind }),
-        KeptRecord::Message { at, error, text } => writer.event(at, &Event::of_page(&text, error)),
-    }
+    Ok(FromSessions::Saved {
+        bytes,
+        records,
+        runs,
+    })
 }

@@ -8,7 +8,7 @@ use end_to_end::{Line, now_us};
 use crate::fixture::{Scenario, assert_quiet_console};
 
 /// A page with a run that is running, and when Run was pressed.
-fn running(line: Line) -> Result<(Scenario, u64)> {
+pub(super) fn running(line: Line) -> Result<(Scenario, u64)> {
     let scenario = Scenario::connected(line)?;
     let page = &scenario.page;
     page.click("button", "Experiments")?;

@@ -1,12 +1,12 @@
 //! A session is saved while a motor drives, and opened again.
 
-use std::fs;
+use std::{fs, time::Duration};
 
 use crate::fixture::{Scenario, assert_quiet_console, number, spin};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
 use motorlink_messages::bus::LineEventKind;
-use motorlink_session::{Record, for_each_record, open};
+use motorlink_session::{Record, Session, for_each_record, open};
 
 /// Makes the browser's dialog give a file of the page's private file system.
 const DIALOG: &str = "window.showSaveFilePicker = async () => {
@@ -167,6 +167,78 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
         text.contains("Opened") && text.contains("-bookmarks")
     })?;
     page.wait_for_text("list", "Events", |text| text.contains("gravel starts here"))?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+/// The samples of each run in a file.
+fn samples_of_runs(file: &[u8]) -> Result<Vec<usize>> {
+    let session = open(&mut &file[..])??;
+    let mut samples = Vec::new();
+    for run in session.runs() {
+        let range = session.attachment_range(&run.attachment.name);
+        let range = range.context("the place of the run")?;
+        let bytes = &file[usize::try_from(range.start)?..usize::try_from(range.end)?];
+        let (_, record) = Session::run(bytes).map_err(|why| anyhow!("{why:?}"))?;
+        samples.push(record.samples().len());
+    }
+    Ok(samples)
+}
+
+#[test]
+fn a_run_is_in_the_session_and_is_kept_again_from_its_file() -> Result<()> {
+    let (scenario, _) = super::runs::running(Line::default())?;
+    let page = &scenario.page;
+    // The panel of the run closes, and the run goes on.
+    page.click("button", "Session file")?;
+    let saved = page.download("Save session")?;
+    page.wait_for_text("status", "Session file", |text| {
+        text.contains("Runs of experiments: 1")
+    })?;
+    page.press("Escape")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| {
+        text.to_lowercase().contains("confirmed")
+    })?;
+    page.click("button", "Release")?;
+    // Three seconds of it were stored, at 200 replies a second.
+    let samples = samples_of_runs(&saved.bytes()?)?;
+    assert!(matches!(samples[..], [samples] if samples > 300), "{samples:?}");
+
+    page.click("button", "Experiments")?;
+    page.click("tab", "Runs")?;
+    let listed = || page.find_all("checkbox", "Mark Back and forth");
+    listed()?.pop().context("the run")?.click()?;
+    page.click("button", "Delete")?;
+    page.click("button", "Delete runs")?;
+    wait_until("the run to be deleted", WAIT_MAX, || {
+        Ok(if listed()?.is_empty() {
+            Ok(())
+        } else {
+            Err("it is there".to_owned())
+        })
+    })?;
+
+    page.click("button", "Session file")?;
+    page.upload("Open session", &saved.path)?;
+    page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
+    page.wait_for_text("list", "Runs of experiments", |text| {
+        text.contains("Back and forth")
+    })?;
+    for said in [
+        "Runs added to the tab Runs of Experiments: 1.",
+        "there already: 1.",
+    ] {
+        page.click("button", "Keep these runs")?;
+        page.wait_for_text("status", "Session file", |text| text.contains(said))?;
+    }
+    page.click("button", "Experiments")?;
+    wait_until("the run of the file", WAIT_MAX, || {
+        Ok(match listed()?.len() {
+            1 => Ok(()),
+            other => Err(format!("{other} runs")),
+        })
+    })?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     assert_quiet_console(page);
     Ok(())
 }

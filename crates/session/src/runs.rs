@@ -1,0 +1,113 @@
+//! The runs of experiments in a session file: each is an attachment, in the format of the page's own export of a run.
+
+use motorlink_messages::experiments::{
+    kept::{RunHeader, run_from_json, run_to_json},
+    runner::Record as RunRecord,
+    sequence::NAME_MAX,
+};
+use motorlink_protocol::Instant;
+
+use crate::{
+    reader::{Attachment, Problem, Session},
+    record::{Event, EventKind},
+    writer::Writer,
+};
+
+/// Every such attachment has a name of this form: `run-1764041529 Step response.json`.
+const START: &str = "run-";
+const END: &str = ".json";
+
+/// The page computes the wall clock at the start of a run, and the recorder that of its events. Both differ by
+/// milliseconds, and after a restored session by more.
+const CLOCKS_DIFFER_MS: f64 = 2_000.0;
+/// If the wall clock is set during a session, both can differ by any time. A day has no two events with one time of the
+/// monotonic clock.
+const DAY_MS: f64 = 86_400_000.0;
+
+/// When the runs of a session began, by its events. Other tabs of the page keep their runs in the same browser, and
+/// those have no events here.
+#[derive(Debug, Default)]
+pub struct RunEvents(Vec<(Instant, f64)>);
+
+impl RunEvents {
+    /// Adds an event of the session. `zero_unix_us` is the wall clock at [`Instant::ZERO`], in microseconds since 1970.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "microseconds since 1970 are exact in a double until 2255"
+    )]
+    pub fn add(&mut self, at: Instant, zero_unix_us: i64, event: &Event) {
+        if event.kind == EventKind::Run {
+            let unix_ms = (zero_unix_us as f64 + at.as_micros() as f64) / 1_000.0;
+            self.0.push((at, unix_ms));
+        }
+    }
+
+    /// Whether there is no run in the session.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether the start of this run is in the session.
+    #[must_use]
+    pub fn have(&self, run: &RunHeader) -> bool {
+        self.0.iter().any(|(at, unix_ms)| {
+            let apart_ms = (unix_ms - run.began_unix_ms).abs();
+            apart_ms <= CLOCKS_DIFFER_MS || apart_ms <= DAY_MS && run.began == Some(*at)
+        })
+    }
+}
+
+/// A run of an experiment in an open session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AttachedRun {
+    /// Its name, as the user gave it. Letters that no file name may have are `-`.
+    pub name: String,
+    /// The attachment.
+    pub attachment: Attachment,
+}
+
+impl Session {
+    /// The runs of experiments, in the order of the file.
+    pub fn runs(&self) -> impl Iterator<Item = AttachedRun> {
+        self.attachments().filter_map(|attachment| {
+            let stem = attachment.name.strip_prefix(START)?.strip_suffix(END)?;
+            let (number, name) = stem.split_once(' ').unwrap_or((stem, ""));
+            number.parse::<u32>().ok()?;
+            Some(AttachedRun {
+                name: name.to_owned(),
+                attachment,
+            })
+        })
+    }
+
+    /// The run in these bytes, which were read at [`Self::attachment_range`].
+    ///
+    /// # Errors
+    /// The bytes are damaged, or of a later version.
+    pub fn run(bytes: &[u8]) -> Result<(RunHeader, RunRecord), Problem> {
+        let damaged = Problem::AttachmentDamaged;
+        let text = std::str::from_utf8(Self::attachment(bytes)?).map_err(|_| damaged)?;
+        let (mut header, record) = run_from_json(text).map_err(|_| damaged)?;
+        header.name = header.name.chars().take(NAME_MAX).collect();
+        Ok((header, record))
+    }
+}
+
+impl Writer {
+    /// Adds a run of an experiment as an attachment.
+    pub fn attach_run(&mut self, header: &RunHeader, record: &RunRecord) {
+        let json = run_to_json(header, record);
+        self.attach(&file_name(header), "application/json", json.as_bytes());
+    }
+}
+
+fn file_name(header: &RunHeader) -> String {
+    let is_forbidden = |letter: char| letter.is_control() || r#"/\:*?"<>|"#.contains(letter);
+    let letters = header.name.trim().chars().take(NAME_MAX);
+    let name: String = letters
+        .map(|letter| if is_forbidden(letter) { '-' } else { letter })
+        .collect();
+    let space = if name.is_empty() { "" } else { " " };
+    format!("{START}{}{space}{name}{END}", header.number)
+}
