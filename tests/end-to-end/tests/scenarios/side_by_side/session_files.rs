@@ -202,7 +202,10 @@ fn a_run_is_in_the_session_and_is_kept_again_from_its_file() -> Result<()> {
     page.click("button", "Release")?;
     // Three seconds of it were stored, at 200 replies a second.
     let samples = samples_of_runs(&saved.bytes()?)?;
-    assert!(matches!(samples[..], [samples] if samples > 300), "{samples:?}");
+    assert!(
+        matches!(samples[..], [samples] if samples > 300),
+        "{samples:?}"
+    );
 
     page.click("button", "Experiments")?;
     page.click("tab", "Runs")?;
