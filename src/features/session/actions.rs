@@ -20,6 +20,7 @@ use crate::{
         replay_bar::show_bar,
         save_picker::{Picked, name_of, pick, remove_if_empty},
         share::Shareable,
+        span::Span,
         texts,
     },
     link::sessions_link::SessionsLink,
@@ -37,33 +38,6 @@ use crate::{
 pub(super) struct Said {
     pub(super) error: bool,
     pub(super) text: String,
-}
-
-/// How much of what is kept is saved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Span {
-    #[default]
-    Everything,
-    TenMinutes,
-}
-
-impl Span {
-    pub(super) const ALL: [Self; 2] = [Self::Everything, Self::TenMinutes];
-
-    pub(super) const fn key(self) -> &'static str {
-        match self {
-            Self::Everything => "everything",
-            Self::TenMinutes => "ten-minutes",
-        }
-    }
-
-    /// The seconds up to the newest record; `None` for everything.
-    const fn last_s(self) -> Option<u32> {
-        match self {
-            Self::Everything => None,
-            Self::TenMinutes => Some(600),
-        }
-    }
 }
 
 /// Session files.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `incoming` | files that are dropped onto the page, or opened with the installed app |
 //! | `actions` | what the buttons do, and the messages of the session worker |
+//! | `span` | the choice of how much is saved |
 //! | `readiness` | whether there is anything to save |
 //! | `save_picker` | the browser's dialog for a file to write |
 //! | `share` | the saved session for another app |
@@ -31,5 +32,6 @@ mod readiness;
 mod replay_bar;
 mod save_picker;
 mod share;
+mod span;
 mod texts;
 mod timeline;

@@ -7,9 +7,10 @@ use web_sys::HtmlInputElement;
 
 use crate::{
     features::session::{
-        actions::{Said, SessionFiles, Span},
+        actions::{Said, SessionFiles},
         content::content,
         incoming::Incoming,
+        span::Span,
         texts,
     },
     model::{recorder_texts::no_recorder, snapshot::Session},

@@ -6,7 +6,7 @@ use motorlink_messages::sessions::{
 };
 
 use crate::{
-    features::session::{actions::Span, bookmarks::BOOKMARKS_MAX},
+    features::session::{bookmarks::BOOKMARKS_MAX, span::Span},
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };
