@@ -9,8 +9,8 @@ pub(crate) const fn limited(value: f64, low: f64, high: f64) -> f64 {
     value.max(low).min(high)
 }
 
-/// What is left of the value after whole periods: from 0 up to the period. It is the same as `f64::rem_euclid`, whose code
-/// adds 2 KB to the first visit.
+/// What is left of the value after whole periods: from 0 up to the period; 0 for NaN. The code of `f64::rem_euclid` would
+/// add 2 KB to the first visit.
 pub(crate) fn modulo(value: f64, period: f64) -> f64 {
     // Rounding can give a little less than nothing.
     (value - (value / period).floor() * period).max(0.0)

@@ -139,6 +139,7 @@ pub fn info() -> SessionInfo {
         marks: vec![mark(2_000_000), mark(4_000_000)],
         marks_left_out: 3,
         runs: vec!["Step <i>response</i>".to_owned()],
+        runs_left_out: 4,
         problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],
     }
 }

@@ -37,6 +37,13 @@ async fn panel(name: &str) -> (FakeSessions, Bench) {
     (sessions, bench)
 }
 
+const fn runs_saved(saved: u32, is_incomplete: bool) -> RunsSaved {
+    RunsSaved {
+        saved,
+        is_incomplete,
+    }
+}
+
 fn saved(bytes: u64, runs: RunsSaved) -> FromSessions {
     FromSessions::Saved {
         bytes,
@@ -68,7 +75,7 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
     until_said(&bench, "Saving cancelled").await;
     bench.click("Save session");
     sessions.next().await;
-    sessions.post(&saved(12_345_678, RunsSaved::All(0)));
+    sessions.post(&saved(12_345_678, RunsSaved::default()));
     until_said(&bench, "12.4 MB").await;
     bench.click("Save session");
     sessions.next().await;
@@ -82,9 +89,13 @@ async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
     let (sessions, bench) = panel("session-span").await;
     let mut spans = Vec::new();
     for (choice, runs, said) in [
-        ("everything", RunsSaved::All(0), " records"),
-        ("ten-minutes", RunsSaved::All(2), "Runs of experiments: 2"),
-        ("everything", RunsSaved::NotRead, "Without the runs"),
+        ("everything", RunsSaved::default(), " records"),
+        (
+            "ten-minutes",
+            runs_saved(2, false),
+            "Runs of experiments: 2",
+        ),
+        ("everything", runs_saved(1, true), "some are missing"),
     ] {
         let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
         what.set_value(choice);
@@ -113,14 +124,28 @@ async fn the_runs_of_a_file_are_kept_if_asked_for() {
     );
     bench.click("Keep these runs");
     assert_eq!(sessions.next().await.0, ToSessions::KeepRuns);
+    let reads = || !bench.find_all("progressbar", "Reading").is_empty();
+    assert!(reads());
     let kept = RunsKept {
         added: 1,
+        known: 3,
         unreadable: 2,
-        ..RunsKept::default()
+        no_room: 4,
+        not_stored: 5,
     };
     sessions.post(&FromSessions::RunsKept(Some(kept)));
     until_said(&bench, "tab Runs of Experiments: 1.").await;
     until_said(&bench, "cannot be read, damaged or of a later version: 2.").await;
+    for said in [
+        "there already: 3.",
+        "without room: 4.",
+        "could not store: 5.",
+    ] {
+        until_said(&bench, said).await;
+    }
+    assert!(!reads(), "the progress ends");
+    let shown = bench.text("region", "Session file");
+    assert!(shown.contains("More runs in the file: 4"), "{shown}");
     bench.click("Keep these runs");
     sessions.next().await;
     sessions.post(&FromSessions::RunsKept(None));
@@ -138,7 +163,7 @@ async fn a_chosen_file_is_handed_to_the_worker() {
     bench.click("Save session");
     let (_, objects) = sessions.next().await;
     assert_eq!(objects, 2, "the channel and the handle of the file");
-    sessions.post(&saved(12_345_678, RunsSaved::All(0)));
+    sessions.post(&saved(12_345_678, RunsSaved::default()));
     until_said(&bench, "Saved my wheel.mcap").await;
     let is_there = async || {
         let looked = result(
@@ -255,7 +280,7 @@ fn shared(what: &str) -> Option<String> {
 async fn save(sessions: &FakeSessions, bench: &Bench) {
     bench.click("Save session");
     sessions.next().await;
-    sessions.post_file(&saved(1_000, RunsSaved::All(0)), "content");
+    sessions.post_file(&saved(1_000, RunsSaved::default()), "content");
     until_said(bench, "Saved").await;
 }
 

@@ -20,12 +20,12 @@ pub fn too_many(list: &[RunHeader]) -> Vec<u32> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use motorlink_messages::experiments::kept::Outcome;
 
     use super::*;
 
-    fn run(number: u32, bytes: u32) -> RunHeader {
+    pub(crate) fn run(number: u32, bytes: u32) -> RunHeader {
         RunHeader {
             number,
             name: String::new(),

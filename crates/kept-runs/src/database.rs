@@ -96,14 +96,47 @@ impl Database {
         Ok(bytes.length())
     }
 
-    /// The parts of a record in their order.
+    /// Stores a whole run, in place of what there is of a run with its number. Nothing is changed if it fails.
+    ///
+    /// # Errors
+    /// The browser cannot store it, such as on a full disk.
+    pub async fn put_run(&self, header: &RunHeader, part: &[u8]) -> Result<()> {
+        let header_bytes = bytes_of(header)?;
+        let [runs, parts] = self.both()?;
+        parts.delete(&range(header.number)?)?;
+        let key = f64::from(header.number) * PARTS_MAX;
+        parts.put_with_key(&Uint8Array::from(part), &key.into())?;
+        runs.put_with_key(&header_bytes, &header.number.into())?;
+        stored(&runs).await
+    }
+
+    /// The numbers of all runs, also of those that this version cannot read.
     ///
     /// # Errors
     /// The browser cannot read them.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "each key is a number of a run"
+    )]
+    pub async fn numbers(&self) -> Result<Vec<u32>> {
+        let all = done(&self.store(RUNS, false)?.get_all_keys()?).await?;
+        let number = |key: JsValue| key.as_f64().map(|key| key as u32);
+        Ok(Array::from(&all).iter().filter_map(number).collect())
+    }
+
+    /// The parts of a record in their order.
+    ///
+    /// # Errors
+    /// The browser or this version cannot read all of them.
     pub async fn parts(&self, run: u32) -> Result<Vec<RecordPart>> {
         let store = self.store(PARTS, false)?;
         let all = done(&store.get_all_with_key(&range(run)?)?).await?;
-        Ok(read_all(&all))
+        let parts = read_all(&all);
+        if parts.len() < Array::from(&all).length() as usize {
+            return Err("a part of another version".into());
+        }
+        Ok(parts)
     }
 
     /// Deletes a run.
@@ -111,9 +144,22 @@ impl Database {
     /// # Errors
     /// The browser cannot delete it.
     pub async fn delete(&self, run: u32) -> Result<()> {
-        done(&self.store(RUNS, true)?.delete(&run.into())?).await?;
-        done(&self.store(PARTS, true)?.delete(&range(run)?)?).await?;
-        Ok(())
+        let [runs, parts] = self.both()?;
+        runs.delete(&run.into())?;
+        parts.delete(&range(run)?)?;
+        stored(&runs).await
+    }
+
+    /// Both stores, in one transaction that writes.
+    fn both(&self) -> Result<[IdbObjectStore; 2]> {
+        let names: Array = [RUNS, PARTS].into_iter().map(JsValue::from).collect();
+        let transaction = self
+            .database
+            .transaction_with_str_sequence_and_mode(&names, IdbTransactionMode::Readwrite)?;
+        Ok([
+            transaction.object_store(RUNS)?,
+            transaction.object_store(PARTS)?,
+        ])
     }
 
     fn store(&self, name: &str, writes: bool) -> Result<IdbObjectStore> {
@@ -129,8 +175,7 @@ impl Database {
 
 impl Drop for Database {
     fn drop(&mut self) {
-        // Its closure is gone now: an open database would keep the user from deleting all data.
-        self.database.set_onversionchange(None);
+        // An open one would keep the user from deleting all data. A closed one calls no closure.
         self.database.close();
     }
 }
@@ -162,6 +207,14 @@ fn range(run: u32) -> Result<JsValue> {
     let range =
         IdbKeyRange::bound_with_lower_open_and_upper_open(&first.into(), &end.into(), false, true)?;
     Ok(range.into())
+}
+
+/// A part of a record as it is stored.
+///
+/// # Errors
+/// None in practice: a part of ours always encodes.
+pub fn encoded(part: &RecordPart) -> Result<Vec<u8>> {
+    encode(part).map_err(|error| JsValue::from(error.to_string()))
 }
 
 fn bytes_of<T: serde::Serialize>(value: &T) -> Result<Uint8Array> {

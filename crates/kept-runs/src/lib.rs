@@ -7,9 +7,12 @@
 //! |---|---|
 //! | `database` | headers and records in the browser's database (IndexedDB) |
 //! | `bounds` | how many runs are kept |
+//! | `placing` | where a run of a file goes among them |
 
 mod bounds;
 mod database;
+mod placing;
 
 pub use bounds::{BYTES_MAX, RUNS_MAX, too_many};
-pub use database::{Database, Headers, erase};
+pub use database::{Database, Headers, encoded, erase};
+pub use placing::Placing;

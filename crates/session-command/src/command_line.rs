@@ -33,7 +33,8 @@ pub enum Action {
         /// What to make of it.
         #[arg(long, value_enum, default_value_t = Format::Plot)]
         format: Format,
-        /// Where to write it; without it, to the standard output. Of `runs` it is a folder, or the present one.
+        /// Where to write it; without it, to the standard output. For `runs`: the folder to write to, by default the
+        /// current one.
         #[arg(long)]
         out: Option<PathBuf>,
     },

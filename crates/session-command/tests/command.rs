@@ -206,7 +206,7 @@ fn runs_are_written_as_files_of_a_folder() {
     let text = fixture.prints(&["export", "run.mcap", "--format", "runs", "--out", "runs"]);
     assert_eq!(
         text,
-        "../gravel [2J: runs/run-1795266946.json, runs/run-1795266946.csv\n"
+        "..-gravel -[2J: runs/run-1795266946.json, runs/run-1795266946.csv\n"
     );
     let read = |name| fs::read_to_string(fixture.path(name)).unwrap();
     let table = read("runs/run-1795266946.csv");
@@ -225,7 +225,7 @@ fn runs_are_written_as_files_of_a_folder() {
     fixture.prints(&copy);
     assert_eq!(
         fixture.prints(&["export", "copy.mcap", "--format", "runs"]),
-        "../gravel [2J: ./run-1795266946.json, ./run-1795266946.csv\n"
+        "..-gravel -[2J: ./run-1795266946.json, ./run-1795266946.csv\n"
     );
 }
 

@@ -30,13 +30,15 @@ const KINDS: [(&str, EventKind); 11] = [
     (text!("Stopping. {why}"), EventKind::StopBegan),
     (text!("Stopped: no motor was running"), EventKind::StopEnded),
     (CONFIRMED, EventKind::StopEnded),
-    (text!("Run began: {name}"), EventKind::Run),
+    (RUN_BEGAN, EventKind::Run),
     (text!("Run ended: {how}"), EventKind::Run),
     (
         text!("Standstill not confirmed: {motors}"),
         EventKind::StopEnded,
     ),
 ];
+
+const RUN_BEGAN: &str = text!("Run began: {name}");
 
 const CONFIRMED: &str = text!("Stopped, standstill confirmed: {motors}");
 
@@ -58,6 +60,12 @@ impl Event {
         event.error = error;
         event.motors = confirmed(stored);
         event
+    }
+
+    /// Whether this is the start of a run.
+    pub(crate) fn begins_run(&self) -> bool {
+        let before_name = RUN_BEGAN.split('{').next().unwrap_or_default();
+        self.kind == EventKind::Run && self.text.starts_with(before_name)
     }
 }
 

@@ -17,7 +17,7 @@
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
 //! | `outbox` | updates to the page, at most one per frame of the screen |
-//! | `kept_request` | requests of the session worker to the recorder |
+//! | `recorder_request` | requests of the session worker to the recorder |
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
 //! | `scope` | the worker's global object: clock, messages |
@@ -33,12 +33,12 @@ mod blob_parts;
 mod claim;
 mod connecting;
 mod forwarding;
-mod kept_request;
 mod line;
 mod local_time;
 mod outbox;
 mod port_owner;
 mod recorder;
+mod recorder_request;
 mod runs;
 mod scope;
 mod serial;

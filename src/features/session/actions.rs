@@ -6,7 +6,7 @@ use js_sys::Reflect;
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::{
-    FromSessions, NotSaved, Progress, RunsSaved, SessionExport, SessionInfo, ToSessions,
+    FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions,
 };
 use wasm_bindgen::JsValue;
 use web_sys::{Blob, MessageChannel};
@@ -19,8 +19,8 @@ use crate::{
         readiness::not_kept,
         replay_bar::show_bar,
         save_picker::{Picked, name_of, pick, remove_if_empty},
+        save_range::SaveRange,
         share::Shareable,
-        span::Span,
         texts,
     },
     link::sessions_link::SessionsLink,
@@ -58,7 +58,7 @@ pub(crate) struct SessionFiles {
     /// The name of the file whose bookmarks stay although its worker has ended; else empty.
     lost: StoredValue<String>,
     /// How much is saved.
-    pub(super) span: RwSignal<Span>,
+    pub(super) save_range: RwSignal<SaveRange>,
     /// What the panel says about saving.
     pub(super) saved: RwSignal<Said>,
     /// What the panel says about the open file.
@@ -93,7 +93,7 @@ impl SessionFiles {
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
                     lost: StoredValue::default(),
-                    span: RwSignal::default(),
+                    save_range: RwSignal::default(),
                     saved: RwSignal::default(),
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
@@ -257,7 +257,7 @@ impl SessionFiles {
         let message = ToSessions::Save {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             setup: self.page.setup().to_json(),
-            last_s: self.span.get_untracked().last_s(),
+            last_s: self.save_range.get_untracked().last_s(),
         };
         self.post(&message, handle, &[channel.port2().into()]);
         connected.is_some()
@@ -390,10 +390,10 @@ impl SessionFiles {
                     self.shareable.offer(content);
                 }
                 let mut said = texts::of_saved(&name, bytes, records);
-                if let Some(words) = texts::of_runs_saved(runs) {
+                for words in texts::of_runs_saved(runs) {
                     said = [&said, words.as_str()].join(". ");
                 }
-                self.say_of_saving(runs == RunsSaved::NotRead, said);
+                self.say_of_saving(runs.is_incomplete, said);
             }
             FromSessions::NotSaved(why) => self.not_saved(why),
             FromSessions::Reading(progress) => show(self.reading, progress),

@@ -32,7 +32,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
     let motors: Vec<_> = info.motors.iter().map(motor_row).collect();
     let reads = move || {
         let reads = files.reading.get();
-        reads.map(|_| tr!("Another file is being read.").to_owned())
+        reads.map(|_| tr!("Wait until the present task has ended.").to_owned())
     };
     let export = move |what, label, hint| {
         view! {
@@ -110,10 +110,17 @@ fn runs(
         .runs
         .iter()
         .map(|name| view! { <li>{name.clone()}</li> });
+    let more = (info.runs_left_out > 0).then(|| {
+        tr!(
+            "More runs in the file: {count}",
+            count = grouped(info.runs_left_out)
+        )
+    });
     view! {
         <div class="session-runs" hidden=info.runs.is_empty()>
             <h4>{tr!("Runs of experiments")}</h4>
             <ul aria-label=tr!("Runs of experiments")>{rows.collect_view()}</ul>
+            <p class="quiet">{more}</p>
             <PressButton
                 label=tr!("Keep these runs")
                 class="button small"

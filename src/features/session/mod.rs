@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `incoming` | files that are dropped onto the page, or opened with the installed app |
 //! | `actions` | what the buttons do, and the messages of the session worker |
-//! | `span` | the choice of how much is saved |
+//! | `save_range` | the choice of how much is saved |
 //! | `readiness` | whether there is anything to save |
 //! | `save_picker` | the browser's dialog for a file to write |
 //! | `share` | the saved session for another app |
@@ -31,7 +31,7 @@ pub(crate) mod player;
 mod readiness;
 mod replay_bar;
 mod save_picker;
+mod save_range;
 mod share;
-mod span;
 mod texts;
 mod timeline;

@@ -10,7 +10,7 @@ use crate::{
         actions::{Said, SessionFiles},
         content::content,
         incoming::Incoming,
-        span::Span,
+        save_range::SaveRange,
         texts,
     },
     model::{recorder_texts::no_recorder, snapshot::Session},
@@ -63,16 +63,16 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
         <div class="session-panel">
             <p>
                 {tr!(
-                    "A session file has the packet log, the recording and the present settings. Foxglove and PlotJuggler open it too."
+                    "A session file has the packet log, the recording, the runs of experiments and the present settings. Foxglove and PlotJuggler open it too."
                 )}
             </p>
             <div class="button-row">
-                {span_choice(files)}
+                {range_choice(files)}
                 <ExportButton
                     label=tr!("Save session")
                     cancel_label=tr!("Cancel saving")
                     progress_label=tr!("Saving")
-                    hint=tr!("Saves the packet log and the recording as one file. Motors keep running.")
+                    hint=tr!("Saves the packet log, the recording and the runs of experiments as one file. Motors keep running.")
                     per_mille=Signal::derive(move || files.saving.get())
                     disabled_reason=Signal::derive(save_blocked_by)
                     on_press=move || files.save_or_cancel()
@@ -115,15 +115,15 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
 }
 
 /// How much is saved.
-fn span_choice(files: SessionFiles) -> impl IntoView {
-    let options = Span::ALL.map(|span| {
-        let selected = files.span.get_untracked() == span;
-        view! { <option value=span.key() selected=selected>{texts::of_span(span)}</option> }
+fn range_choice(files: SessionFiles) -> impl IntoView {
+    let options = SaveRange::ALL.map(|range| {
+        let selected = files.save_range.get_untracked() == range;
+        view! { <option value=range.key() selected=selected>{texts::of_save_range(range)}</option> }
     });
     let choose = move |event| {
         let key = event_target_value(&event);
-        if let Some(span) = Span::ALL.into_iter().find(|span| span.key() == key) {
-            files.span.set(span);
+        if let Some(range) = SaveRange::ALL.into_iter().find(|range| range.key() == key) {
+            files.save_range.set(range);
         }
     };
     view! {

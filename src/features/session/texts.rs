@@ -6,7 +6,7 @@ use motorlink_messages::sessions::{
 };
 
 use crate::{
-    features::session::{bookmarks::BOOKMARKS_MAX, span::Span},
+    features::session::{bookmarks::BOOKMARKS_MAX, save_range::SaveRange},
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };
@@ -22,26 +22,28 @@ pub(super) fn of_saved(name: &str, bytes: u64, records: u64) -> String {
 }
 
 /// How much is saved.
-pub(super) fn of_span(span: Span) -> &'static str {
-    match span {
-        Span::Everything => tr!("Everything kept"),
-        Span::TenMinutes => tr!("Last 10 minutes"),
+pub(super) fn of_save_range(range: SaveRange) -> &'static str {
+    match range {
+        SaveRange::Everything => tr!("Everything kept"),
+        SaveRange::TenMinutes => tr!("Last 10 minutes"),
     }
 }
 
-/// The runs of experiments in a saved session; `None` if there are none.
-pub(super) fn of_runs_saved(runs: RunsSaved) -> Option<String> {
-    match runs {
-        RunsSaved::All(0) => None,
-        RunsSaved::All(count) => Some(tr!("Runs of experiments: {count}", count)),
-        RunsSaved::NotRead => Some(
-            tr!("Without the runs of experiments: this browser cannot read what it keeps.")
-                .to_owned(),
-        ),
+/// The runs of experiments in a saved session.
+pub(super) fn of_runs_saved(runs: RunsSaved) -> Vec<String> {
+    let mut words = Vec::new();
+    if runs.saved > 0 {
+        words.push(tr!("Runs of experiments: {count}", count = runs.saved));
     }
+    if runs.is_incomplete {
+        words.push(
+            tr!("This browser cannot read all runs of experiments: some are missing.").to_owned(),
+        );
+    }
+    words
 }
 
-/// What became of the runs of experiments in an open file, and whether it is an error. `None` if the browser keeps no runs.
+/// What became of the runs of experiments in an open file, and whether it is an error.
 pub(super) fn of_runs_kept(kept: Option<RunsKept>) -> (bool, String) {
     let Some(kept) = kept else {
         let words = tr!("Not kept: this browser stores no runs now.");
@@ -71,7 +73,11 @@ pub(super) fn of_runs_kept(kept: Option<RunsKept>) -> (bool, String) {
             count
         )
     });
-    (kept.unreadable + kept.no_room > 0, words.join(" "))
+    add(kept.not_stored, &|count| {
+        tr!("Runs that this browser could not store: {count}.", count)
+    });
+    let failed = kept.unreadable + kept.no_room + kept.not_stored;
+    (failed > 0, words.join(" "))
 }
 
 /// Why there is no room for another bookmark.

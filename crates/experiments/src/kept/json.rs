@@ -2,7 +2,7 @@
 //!
 //! Rows are arrays, because a run of minutes has tens of thousands. Times are microseconds since the start.
 
-use std::fmt;
+use std::{fmt, ops::RangeInclusive};
 
 use motorlink_protocol::{Current, Faults, Instant, MotorId};
 use nojson::{JsonFormatter, RawJson, RawJsonValue, json};
@@ -15,6 +15,11 @@ use crate::runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint};
 
 /// The version of the file format that this program reads and writes.
 const VERSION: u32 = 1;
+
+/// The end of the year 9999: what reads a date cannot fail on a later one.
+const UNIX_MS_MAX: f64 = 253_402_300_799_000.0;
+/// Maximal setpoints per second to a motor.
+const HZ_MAX: f64 = 1_000.0;
 
 /// Why a file is not a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -179,9 +184,9 @@ pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
         model: file.text("model")?,
         setup: file.text("setup")?,
         page_version: file.text("page_version")?,
-        began_unix_ms: file.number("began_unix_ms")?,
+        began_unix_ms: file.number_in("began_unix_ms", 0.0..=UNIX_MS_MAX)?,
         began: file.bool("is_started")?.then_some(began),
-        request_hz: file.number("request_hz")?,
+        request_hz: file.number_in("request_hz", 0.0..=HZ_MAX)?,
         outcome: outcome.ok_or(JsonError { place: "outcome" })?,
         bytes: u32::try_from(text.len()).unwrap_or(u32::MAX),
     };
@@ -245,6 +250,12 @@ impl<'a> File<'a> {
 
     fn number(&self, place: &'static str) -> Result<f64> {
         real(&self.get(place)?).ok_or(JsonError { place })
+    }
+
+    fn number_in(&self, place: &'static str, range: RangeInclusive<f64>) -> Result<f64> {
+        let number = self.number(place)?;
+        let fits = range.contains(&number);
+        fits.then_some(number).ok_or(JsonError { place })
     }
 
     fn optional_number(&self, place: &'static str) -> Result<Option<f64>> {

@@ -103,12 +103,12 @@ pub enum FromSessions {
 }
 
 /// The runs of experiments in a saved session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RunsSaved {
-    /// So many.
-    All(u32),
-    /// The browser could not read those that it keeps.
-    NotRead,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunsSaved {
+    /// How many there are.
+    pub saved: u32,
+    /// Whether others are missing, because the browser could not read them.
+    pub is_incomplete: bool,
 }
 
 /// What became of the runs of experiments in an open session, by number.
@@ -120,8 +120,10 @@ pub struct RunsKept {
     pub known: u32,
     /// Unreadable: damaged, or of a later version.
     pub unreadable: u32,
-    /// There was no room for them: for so many runs, for so many bytes, or on the disk.
+    /// There was no room for them: for so many runs or bytes.
     pub no_room: u32,
+    /// The browser could not store them, such as on a full disk.
+    pub not_stored: u32,
 }
 
 /// A part of a whole.
@@ -192,8 +194,10 @@ pub struct SessionInfo {
     pub marks: Vec<SessionMark>,
     /// Events that are in the file but not in `marks`.
     pub marks_left_out: u64,
-    /// The names of the runs of experiments whose data is in the file.
+    /// The names of the runs of experiments whose data is in the file. One without a name has its number.
     pub runs: Vec<String>,
+    /// Runs that are in the file but not in `runs`.
+    pub runs_left_out: u64,
     /// What is missing or unreadable, and how often.
     pub problems: Vec<(Problem, u64)>,
 }

@@ -38,8 +38,8 @@ const CHUNKS_MAX: usize = 200_000;
 /// Maximal bytes of the overview. An overview of 32 motors has a megabyte.
 const OVERVIEW_BYTES_MAX: u64 = 4 << 20;
 
-/// Maximal bytes of another attachment. The largest run of an experiment has 30 MB.
-const ATTACHMENT_BYTES_MAX: u64 = 64 << 20;
+/// Maximal bytes of another attachment. The largest run of an experiment has 32 MB.
+const ATTACHMENT_BYTES_MAX: u64 = 40 << 20;
 
 /// An open session file: its index.
 #[derive(Debug, Default)]

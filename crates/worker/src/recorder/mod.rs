@@ -24,8 +24,8 @@ use self::{
 };
 use crate::{
     blob_parts::{CSV, Parts},
-    kept_request::KeptRequest,
     local_time::local_time,
+    recorder_request::RecorderRequest,
     scope::{self, Clock, Incoming, report},
     turn_scheduler::TurnScheduler,
 };
@@ -108,11 +108,11 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
             let reason = shared.borrow().recorder.not_kept();
             return answer(&answers, encode(&reason).map_err(|error| error.to_string()));
         }
-        if let Some(request) = KeptRequest::of(&event.data()) {
+        if let Some(request) = RecorderRequest::of(&event.data()) {
             let recorder = &mut shared.borrow_mut().recorder;
             let kept = match request {
-                KeptRequest::First(last) => recorder.kept_from_begin(last, KEPT_STEP),
-                KeptRequest::Next => recorder.kept(KEPT_STEP),
+                RecorderRequest::First(last) => recorder.kept_from_begin(last, KEPT_STEP),
+                RecorderRequest::Next => recorder.kept(KEPT_STEP),
             };
             return answer(&answers, encode(&kept).map_err(|error| error.to_string()));
         }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motorlink_kept_runs::RUNS_MAX;
 use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
 use motorlink_protocol::MotorId;
 use motorlink_session::{EventKind, Mark, MotorOverview};
@@ -11,6 +12,7 @@ use super::open_session::OpenSession;
 /// The content of an open session.
 pub(super) fn info(open: &OpenSession) -> SessionInfo {
     let overview = &open.overview;
+    let mut runs = open.session.runs().map(|run| run.name);
     let from_ns = overview.span_ns().map(|(from, _)| from);
     SessionInfo {
         name: open.name.clone(),
@@ -31,7 +33,8 @@ pub(super) fn info(open: &OpenSession) -> SessionInfo {
         motors: overview.motors().map(motor).collect(),
         marks: overview.marks().iter().map(mark).collect(),
         marks_left_out: overview.marks_left_out,
-        runs: open.session.runs().map(|run| run.name).collect(),
+        runs: runs.by_ref().take(RUNS_MAX).collect(),
+        runs_left_out: runs.count() as u64,
         problems: open.problems.iter().collect(),
     }
 }

@@ -90,12 +90,12 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             let shared = Rc::clone(shared);
             spawn_local(async move {
                 let last = last_s.map(|seconds| Duration::from_secs(seconds.into()));
-                let what = saving::What {
+                let order = saving::SaveOrder {
                     version,
                     setup,
                     last,
                 };
-                saving::save(&shared, recorder, handle, &what).await;
+                saving::save(&shared, recorder, handle, &order).await;
             });
         }
         ToSessions::CancelSave => {

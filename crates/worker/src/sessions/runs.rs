@@ -1,6 +1,6 @@
 //! The runs of experiments: from the browser's database into a file that is saved, and from an open file into it.
 
-use motorlink_kept_runs::{BYTES_MAX, Database, RUNS_MAX};
+use motorlink_kept_runs::{Database, Placing, RUNS_MAX, encoded};
 use motorlink_messages::{
     experiments::{
         kept::RunHeader,
@@ -15,41 +15,47 @@ use super::{
     state::{Reporter, Shared, is_ended, post, post_not_opened},
 };
 
-/// Passes every kept run of this session to `write`, the oldest first. Returns how many there were.
+/// Passes every kept run of this session to `write`, the oldest first.
 pub(super) async fn attach(
     events: &RunEvents,
     mut write: impl AsyncFnMut(&RunHeader, &Record) -> Result<(), NotSaved>,
 ) -> Result<RunsSaved, NotSaved> {
+    let mut outcome = RunsSaved::default();
     if events.is_empty() {
-        return Ok(RunsSaved::All(0));
+        return Ok(outcome);
     }
-    let Ok(database) = Database::open(|| {}).await else {
-        return Ok(RunsSaved::NotRead);
+    let Ok((database, mut runs)) = database().await else {
+        outcome.is_incomplete = true;
+        return Ok(outcome);
     };
-    let Ok(headers) = database.headers().await else {
-        return Ok(RunsSaved::NotRead);
-    };
-    let mut runs = headers.read;
     runs.retain(|run| events.have(run));
     runs.sort_by_key(|run| run.number);
-    let mut number = 0;
     for header in runs {
         let Ok(parts) = database.parts(header.number).await else {
-            return Ok(RunsSaved::NotRead);
+            outcome.is_incomplete = true;
+            continue;
         };
         let mut record = header.record();
         for part in parts {
             record.add_part(part);
         }
         write(&header, &record).await?;
-        number += 1;
+        outcome.saved += 1;
     }
-    Ok(RunsSaved::All(number))
+    Ok(outcome)
+}
+
+/// The database, and the headers that this version can read.
+async fn database() -> Result<(Database, Vec<RunHeader>), wasm_bindgen::JsValue> {
+    let database = Database::open(|| {}).await?;
+    let headers = database.headers().await?;
+    Ok((database, headers.read))
 }
 
 /// Adds the runs of an open session to those that the browser keeps, and posts what became of them.
 pub(super) async fn keep(shared: &Shared, task: u32, open: &OpenSession) {
     match try_keep(shared, task, open).await {
+        Ok(_) if is_ended(shared, task) => {}
         Ok(kept) => post(&FromSessions::RunsKept(kept)),
         Err(why) => post_not_opened(&why),
     }
@@ -61,20 +67,24 @@ async fn try_keep(
     open: &OpenSession,
 ) -> Result<Option<RunsKept>, NotOpened> {
     let mut reporter = Reporter::new(shared, FromSessions::Reading);
-    let Ok(database) = Database::open(|| {}).await else {
+    let Ok((database, mut kept)) = database().await else {
         return Ok(None);
     };
-    let Ok(headers) = database.headers().await else {
+    let Ok(mut numbers) = database.numbers().await else {
         return Ok(None);
     };
-    let mut all = headers.read;
-    let mut kept = RunsKept::default();
-    let names: Vec<String> = open.session.runs().map(|run| run.attachment.name).collect();
+    let mut outcome = RunsKept::default();
+    let names: Vec<String> = open
+        .session
+        .runs()
+        .map(|run| run.attachment.name)
+        .take(RUNS_MAX)
+        .collect();
     for (place, name) in names.iter().enumerate() {
         reporter.report(place as u64, names.len() as u64);
-        // A file that is too large cannot be read.
+        // What is too large cannot be read.
         let Some(range) = open.session.attachment_range(name) else {
-            kept.unreadable += 1;
+            outcome.unreadable += 1;
             continue;
         };
         let bytes = open.source.read(range).await;
@@ -82,58 +92,48 @@ async fn try_keep(
             return Err(NotOpened::Ended);
         }
         let bytes = bytes.map_err(|_| NotOpened::Unreadable)?;
-        let Ok((mut header, record)) = Session::run(&bytes) else {
-            kept.unreadable += 1;
+        let Ok((mut header, record)) = Session::read_run(&bytes) else {
+            outcome.unreadable += 1;
             continue;
         };
-        // Its name may be another one by now.
-        let is_same = |other: &RunHeader| {
-            (other.began_unix_ms - header.began_unix_ms).abs() < 1.0 && other.study == header.study
+        let part = encoded(&RecordPart {
+            samples: record.samples().to_vec(),
+            sent: record.sent_setpoints().to_vec(),
+            marks: record.marks().to_vec(),
+        });
+        let part = part.unwrap_or_default();
+        header.bytes = u32::try_from(part.len()).unwrap_or(u32::MAX);
+        header.number = match Placing::of(&header, header.bytes, &kept, &numbers, now_s()) {
+            Placing::Known => {
+                outcome.known += 1;
+                continue;
+            }
+            Placing::NoRoom => {
+                outcome.no_room += 1;
+                continue;
+            }
+            Placing::Add(number) | Placing::Replace(number) => number,
         };
-        if all.iter().any(is_same) {
-            kept.known += 1;
+        if database.put_run(&header, &part).await.is_err() {
+            outcome.not_stored += 1;
             continue;
         }
-        // Two browsers may have given out the same number.
-        while all.iter().any(|other| other.number == header.number) {
-            header.number += 1;
+        outcome.added += 1;
+        kept.retain(|other| other.number != header.number);
+        if !numbers.contains(&header.number) {
+            numbers.push(header.number);
         }
-        if store(&database, &mut header, record, &all).await {
-            kept.added += 1;
-            all.push(header);
-        } else {
-            kept.no_room += 1;
-        }
+        kept.push(header);
     }
-    Ok(Some(kept))
+    Ok(Some(outcome))
 }
 
-/// Stores a run beside all others, if there is room for it. Returns whether it is stored.
-async fn store(
-    database: &Database,
-    header: &mut RunHeader,
-    record: Record,
-    all: &[RunHeader],
-) -> bool {
-    if all.len() >= RUNS_MAX {
-        return false;
-    }
-    let part = RecordPart {
-        samples: record.samples().to_vec(),
-        sent: record.sent_setpoints().to_vec(),
-        marks: record.marks().to_vec(),
-    };
-    let number = header.number;
-    let Ok(bytes) = database.add_part(number, 0, &part).await else {
-        return false;
-    };
-    header.bytes = bytes;
-    let stored: u64 = all.iter().map(|run| u64::from(run.bytes)).sum();
-    let fits = stored + u64::from(bytes) <= BYTES_MAX;
-    if fits && database.put_header(header).await.is_ok() {
-        return true;
-    }
-    // Without a header nothing reads the part. The next run with this number replaces it.
-    let _ = database.delete(number).await;
-    false
+/// Seconds since 1970.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "seconds since 1970 fit until 2106"
+)]
+fn now_s() -> u32 {
+    (js_sys::Date::now() / 1_000.0) as u32
 }

@@ -20,7 +20,7 @@ use super::{
     state::{Reporter, Shared, post, post_file},
     target::Target,
 };
-use crate::kept_request::KeptRequest;
+use crate::recorder_request::RecorderRequest;
 
 /// Bytes per write: a chunk of the file.
 const PIECE: usize = 256 << 10;
@@ -29,7 +29,7 @@ const PIECE: usize = 256 << 10;
 pub(super) const MCAP: &str = "application/octet-stream";
 
 /// What is saved.
-pub(super) struct What {
+pub(super) struct SaveOrder {
     /// The version of the page.
     pub(super) version: String,
     /// The setup as JSON.
@@ -43,13 +43,13 @@ pub(super) async fn save(
     shared: &Shared,
     recorder: MessagePort,
     handle: Option<FileSystemFileHandle>,
-    what: &What,
+    order: &SaveOrder,
 ) {
     let kept = KeptParts {
         shared: shared.clone(),
         port: recorder,
     };
-    let outcome = write(&kept, handle, what).await;
+    let outcome = write(&kept, handle, order).await;
     kept.port.close();
     {
         let worker = &mut *shared.borrow_mut();
@@ -68,7 +68,7 @@ struct KeptParts {
 }
 
 impl KeptParts {
-    async fn request(&self, part: KeptRequest) -> Result<Kept, NotSaved> {
+    async fn request(&self, part: RecorderRequest) -> Result<Kept, NotSaved> {
         if !self.shared.borrow().is_saving {
             return Err(NotSaved::Cancelled);
         }
@@ -90,9 +90,9 @@ impl KeptParts {
 async fn write(
     kept: &KeptParts,
     handle: Option<FileSystemFileHandle>,
-    what: &What,
+    order: &SaveOrder,
 ) -> Result<(), NotSaved> {
-    let mut part = kept.request(KeptRequest::First(what.last)).await?;
+    let mut part = kept.request(RecorderRequest::First(order.last)).await?;
     if let Kept::Part {
         records,
         is_last: true,
@@ -103,7 +103,7 @@ async fn write(
         return Err(NotSaved::Nothing);
     }
     let mut target = Target::open(handle).await?;
-    match write_to(kept, &mut part, &mut target, what).await {
+    match write_to(kept, &mut part, &mut target, order).await {
         Ok(message) => {
             if let Some(mut parts) = target.complete().await? {
                 return post_file(&message, &mut parts, MCAP).map_err(|_| NotSaved::NoRoom);
@@ -123,7 +123,7 @@ async fn write_to(
     kept: &KeptParts,
     part: &mut Kept,
     target: &mut Target,
-    what: &What,
+    order: &SaveOrder,
 ) -> Result<FromSessions, NotSaved> {
     let mut reporter = Reporter::new(&kept.shared, FromSessions::Saving);
     let mut writer: Option<Writer> = None;
@@ -140,7 +140,7 @@ async fn write_to(
             Kept::Restoring => return Err(NotSaved::Restoring),
             Kept::Changed => return Err(NotSaved::Changed),
         };
-        let about = [("page", what.version.as_str())];
+        let about = [("page", order.version.as_str())];
         let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &about));
         records += slice.len() as u64;
         for record in slice {
@@ -162,11 +162,11 @@ async fn write_to(
         if is_last {
             break;
         }
-        *part = kept.request(KeptRequest::Next).await?;
+        *part = kept.request(RecorderRequest::Next).await?;
     }
-    let mut runs = RunsSaved::All(0);
+    let mut runs = RunsSaved::default();
     if let Some(mut writer) = writer {
-        writer.attach("setup.json", "application/json", what.setup.as_bytes());
+        writer.attach("setup.json", "application/json", order.setup.as_bytes());
         runs = runs::attach(&run_events, async |header, record| {
             if !kept.shared.borrow().is_saving {
                 return Err(NotSaved::Cancelled);

@@ -1,6 +1,9 @@
 //! The handle of the kept runs.
 
-use std::{collections::BTreeMap, rc::Rc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    rc::Rc,
+};
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -61,6 +64,10 @@ pub(super) struct Memory {
     pub(super) pending: Pending,
     database: Option<Rc<Database>>,
     findings: Cache,
+    /// The numbers of the runs that are being deleted.
+    deleting: BTreeSet<u32>,
+    /// The numbers of the runs that this page has begun or changed: it knows more of them than the database.
+    pub(super) own: BTreeSet<u32>,
 }
 
 /// The kept runs. Without storage they are kept in memory, and the user is told.
@@ -130,31 +137,54 @@ impl KeptRuns {
             return;
         };
         spawn_local(async move {
-            if let Ok(headers) = database.headers().await {
+            let headers = database.headers().await;
+            // All data may have been deleted meanwhile.
+            let is_open = self
+                .database()
+                .is_some_and(|now| Rc::ptr_eq(&now, &database));
+            if let (true, Ok(headers)) = (is_open, headers) {
                 self.add_new(headers);
             }
         });
     }
 
+    /// Adds runs that are not in the list, and takes the headers that have changed.
     fn add_new(self, headers: Headers) {
-        let known: Vec<u32> = self
-            .list
-            .with_untracked(|list| list.iter().map(|run| run.number).collect());
         let mut new = headers.read;
-        new.retain(|run| !known.contains(&run.number));
-        if new.is_empty() {
-            return;
-        }
+        self.memory.with_value(|memory| {
+            new.retain(|run| {
+                let number = run.number;
+                !memory.deleting.contains(&number) && !memory.own.contains(&number)
+            });
+        });
         for run in &mut new {
             // A run without an end was cut off with its page, or another tab runs it.
             if run.outcome == Outcome::Running {
                 run.outcome = Outcome::PageClosed;
             }
         }
+        self.list.with_untracked(|list| {
+            new.retain(|run| {
+                let known = list.iter().find(|known| known.number == run.number);
+                known.is_none_or(|known| known != run)
+            });
+        });
+        if new.is_empty() {
+            return;
+        }
+        let numbers: Vec<u32> = new.iter().map(|run| run.number).collect();
+        self.memory.update_value(|memory| {
+            memory.records.retain(|number, _| !numbers.contains(number));
+            memory
+                .findings
+                .retain(|number, _| !numbers.contains(number));
+        });
         self.list.update(|list| {
+            list.retain(|run| !numbers.contains(&run.number));
             list.extend(new);
             list.sort_by_key(|run| std::cmp::Reverse(run.number));
         });
+        self.changed();
     }
 
     /// The user has deleted all data.
@@ -183,7 +213,7 @@ impl KeptRuns {
         let newest = self
             .list
             .with_untracked(|list| list.first().map(|run| run.number));
-        newest.map_or(now, |newest| now.max(newest + 1))
+        newest.map_or(now, |newest| now.max(newest.saturating_add(1)))
     }
 
     /// A run was started.
@@ -206,9 +236,9 @@ impl KeptRuns {
         self.memory.update_value(|memory| {
             let records = &mut memory.records;
             records.insert(header.number, record);
+            memory.own.insert(header.number);
+            memory.pending = Pending::default();
         });
-        self.memory
-            .update_value(|memory| memory.pending = Pending::default());
         self.list.update(|list| list.insert(0, header.clone()));
         self.put(header);
         self.keep_within_bounds();
@@ -289,11 +319,16 @@ impl KeptRuns {
         let Some(database) = self.database() else {
             return;
         };
+        self.memory
+            .update_value(|memory| memory.deleting.extend(&gone));
         spawn_local(async move {
             for number in gone {
                 if database.delete(number).await.is_err() {
                     self.say_not_stored();
                 }
+                self.memory.update_value(|memory| {
+                    memory.deleting.remove(&number);
+                });
             }
         });
     }

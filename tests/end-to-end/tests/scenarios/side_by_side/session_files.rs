@@ -179,7 +179,7 @@ fn samples_of_runs(file: &[u8]) -> Result<Vec<usize>> {
         let range = session.attachment_range(&run.attachment.name);
         let range = range.context("the place of the run")?;
         let bytes = &file[usize::try_from(range.start)?..usize::try_from(range.end)?];
-        let (_, record) = Session::run(bytes).map_err(|why| anyhow!("{why:?}"))?;
+        let (_, record) = Session::read_run(bytes).map_err(|why| anyhow!("{why:?}"))?;
         samples.push(record.samples().len());
     }
     Ok(samples)

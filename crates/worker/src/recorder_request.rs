@@ -6,14 +6,14 @@ use wasm_bindgen::JsValue;
 
 /// A request for a part of what the recorder keeps.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum KeptRequest {
+pub(crate) enum RecorderRequest {
     /// The first part: of everything, or of so much of its end.
     First(Option<Duration>),
     /// The next part.
     Next,
 }
 
-impl KeptRequest {
+impl RecorderRequest {
     /// The message: seconds, or `false` for the next part.
     pub(crate) fn message(self) -> JsValue {
         match self {

@@ -2,13 +2,13 @@
 
 /// How much of what is kept is saved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Span {
+pub(super) enum SaveRange {
     #[default]
     Everything,
     TenMinutes,
 }
 
-impl Span {
+impl SaveRange {
     pub(super) const ALL: [Self; 2] = [Self::Everything, Self::TenMinutes];
 
     pub(super) const fn key(self) -> &'static str {
