@@ -38,7 +38,7 @@ const LATER: [&str; 28] = [
     "src/features/recording/",
     "src/features/rover/",
     "src/features/saved_session/view.rs",
-    "src/features/session/",
+    "src/features/session_file/",
     "src/features/settings/panel.rs",
     "src/features/setup_link/",
     "src/features/wheel_setup/",

@@ -36,7 +36,7 @@ use crate::{
         recording::Recording,
         rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
-        session::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
+        session_file::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
         settings::panel::{InstallButton, SettingsPanel},
         setup_link::{
             self,

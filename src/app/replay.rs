@@ -16,7 +16,7 @@ use crate::{
     features::{
         packet_log::feed::LogFeed,
         rover::state::Rover,
-        session::player::{Instruments, Show},
+        session_file::player::{Instruments, Show},
         telemetry::fault_history::FaultHistory,
     },
     model::{history::History, snapshot::Session, tab::Tab},

@@ -18,7 +18,7 @@ pub mod raw;
 pub(crate) mod recording;
 pub(crate) mod rover;
 pub(crate) mod saved_session;
-pub(crate) mod session;
+pub(crate) mod session_file;
 pub(crate) mod settings;
 pub(crate) mod setup_link;
 pub(crate) mod stop;

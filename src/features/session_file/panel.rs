@@ -6,7 +6,7 @@ use wasm_bindgen::JsCast;
 use web_sys::HtmlInputElement;
 
 use crate::{
-    features::session::{
+    features::session_file::{
         actions::{Said, SessionFiles},
         content::content,
         incoming::Incoming,

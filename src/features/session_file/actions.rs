@@ -12,7 +12,7 @@ use wasm_bindgen::JsValue;
 use web_sys::{Blob, MessageChannel};
 
 use crate::{
-    features::session::{
+    features::session_file::{
         bookmarks::{Bookmarks, Closing},
         incoming::Incoming,
         player::{Instruments, Link, Player},

@@ -23,7 +23,7 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::session::bookmarks::Bookmarks,
+    features::session_file::bookmarks::Bookmarks,
     link::{clock::Clock, sessions_link::SessionsLink, worker_link::WorkerState},
     model::{
         guards::{is_in_use, port_blocked_by},

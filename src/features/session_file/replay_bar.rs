@@ -10,7 +10,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
-    features::session::{
+    features::session_file::{
         bookmark_form::bookmark_form, bookmarks::Bookmarks, player::Player, texts, timeline::strip,
     },
     ui::{

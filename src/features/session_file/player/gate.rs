@@ -9,7 +9,7 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::session::player::Player,
+    features::session_file::player::Player,
     model::{guards::is_in_use, replay::Crossing},
 };
 

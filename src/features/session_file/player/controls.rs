@@ -10,10 +10,10 @@ use motorlink_messages::{
 use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 
-use crate::features::session::{bookmarks::Bookmarks, player::Player};
+use crate::features::session_file::{bookmarks::Bookmarks, player::Player};
 
 impl Player {
-    pub(in crate::features::session) fn play_or_pause(self) {
+    pub(in crate::features::session_file) fn play_or_pause(self) {
         if self.place.with_untracked(|place| place.plays) {
             self.pause();
         } else {
@@ -39,32 +39,32 @@ impl Player {
         self.post(ToReplay::Pause);
     }
 
-    pub(in crate::features::session) fn set_speed(self, speed: PlaySpeed) {
+    pub(in crate::features::session_file) fn set_speed(self, speed: PlaySpeed) {
         self.speed.set(speed);
         if self.place.with_untracked(|place| place.plays) {
             self.post(ToReplay::Play(speed));
         }
     }
 
-    pub(in crate::features::session) fn step(self, forward: bool) {
+    pub(in crate::features::session_file) fn step(self, forward: bool) {
         self.unreadable.set(false);
         self.post(ToReplay::Step { forward });
     }
 
-    pub(in crate::features::session) fn duration_us(self) -> u64 {
+    pub(in crate::features::session_file) fn duration_us(self) -> u64 {
         self.info
             .with_untracked(|info| info.as_ref().map_or(0, |info| info.duration_us))
     }
 
     /// The place that is shown, or is about to be.
-    pub(in crate::features::session) fn shown_us(self) -> u64 {
+    pub(in crate::features::session_file) fn shown_us(self) -> u64 {
         let place_us = self.place.with(|place| place.after_us);
         self.wanted.get().unwrap_or(place_us)
     }
 
     /// Goes to a place. While the worker goes to another one, only the last of them is remembered: a slider that is
     /// dragged asks for sixty a second.
-    pub(in crate::features::session) fn seek(self, after_us: u64) {
+    pub(in crate::features::session_file) fn seek(self, after_us: u64) {
         let after_us = after_us.min(self.duration_us());
         self.wanted.set(Some(after_us));
         if !self.going.load(Relaxed) {
@@ -86,13 +86,13 @@ impl Player {
     }
 
     /// Begins a bookmark at the place that is shown.
-    pub(in crate::features::session) fn add_bookmark(self) {
+    pub(in crate::features::session_file) fn add_bookmark(self) {
         let here_us = untrack(|| self.shown_us());
         self.bookmarks.update(|bookmarks| bookmarks.begin(here_us));
     }
 
     /// Ends the writing of a note. What had the focus is gone after it.
-    pub(in crate::features::session) fn end_note(self, act: impl FnOnce(&mut Bookmarks)) {
+    pub(in crate::features::session_file) fn end_note(self, act: impl FnOnce(&mut Bookmarks)) {
         self.bookmarks.update(act);
         let add = document().query_selector(".replay-add").ok().flatten();
         if let Some(add) = add.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
@@ -112,12 +112,12 @@ impl Player {
     }
 
     /// Goes that much further, or back.
-    pub(in crate::features::session) fn seek_by(self, by_us: i64) {
+    pub(in crate::features::session_file) fn seek_by(self, by_us: i64) {
         self.seek(untrack(|| self.shown_us()).saturating_add_signed(by_us));
     }
 
     /// Goes to the next event, or to the one before.
-    pub(in crate::features::session) fn seek_event(self, forward: bool) {
+    pub(in crate::features::session_file) fn seek_event(self, forward: bool) {
         let here_us = untrack(|| self.shown_us());
         let plays = self.place.with_untracked(|place| place.plays);
         let found = self.info.with_untracked(|info| {

@@ -5,7 +5,7 @@ use motorlink_i18n::tr;
 use web_sys::KeyboardEvent;
 
 use crate::{
-    features::session::{
+    features::session_file::{
         bookmarks::{Bookmarks, Draft, NOTE_MAX},
         player::Player,
         texts,

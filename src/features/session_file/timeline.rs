@@ -6,7 +6,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::SessionInfo;
 
-use crate::{features::session::player::Player, ui::reactive::dynamic};
+use crate::{features::session_file::player::Player, ui::reactive::dynamic};
 
 /// Width and height of the picture of a motor, in its own units.
 const SIZE: (u64, u64) = (1_000, 60);

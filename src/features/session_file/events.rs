@@ -5,7 +5,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::sessions::{SessionInfo, SessionMark};
 
 use crate::{
-    features::session::{bookmarks::Entry, player::Player, texts},
+    features::session_file::{bookmarks::Entry, player::Player, texts},
     ui::{
         format::grouped,
         reactive::{dynamic, handler},

@@ -6,7 +6,7 @@ use motorlink_messages::sessions::{
 };
 
 use crate::{
-    features::session::{bookmarks::BOOKMARKS_MAX, save_range::SaveRange},
+    features::session_file::{bookmarks::BOOKMARKS_MAX, save_range::SaveRange},
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };

@@ -8,7 +8,7 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::session::{actions::SessionFiles, events::events, texts, timeline::timeline},
+    features::session_file::{actions::SessionFiles, events::events, texts, timeline::timeline},
     model::terms,
     ui::{
         button::PressButton,
