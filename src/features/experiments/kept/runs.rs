@@ -1,9 +1,6 @@
 //! The handle of the kept runs.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    rc::Rc,
-};
+use std::{collections::BTreeMap, rc::Rc};
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -65,9 +62,9 @@ pub(super) struct Memory {
     database: Option<Rc<Database>>,
     findings: Cache,
     /// The numbers of the runs that are being deleted.
-    deleting: BTreeSet<u32>,
+    deleting: Vec<u32>,
     /// The numbers of the runs that this page has begun or changed: it knows more of them than the database.
-    pub(super) own: BTreeSet<u32>,
+    pub(super) own: Vec<u32>,
 }
 
 /// The kept runs. Without storage they are kept in memory, and the user is told.
@@ -166,7 +163,10 @@ impl KeptRuns {
         self.list.with_untracked(|list| {
             new.retain(|run| {
                 let known = list.iter().find(|known| known.number == run.number);
-                known.is_none_or(|known| known != run)
+                known.is_none_or(|known| {
+                    (known.bytes, known.outcome) != (run.bytes, run.outcome)
+                        || known.name != run.name
+                })
             });
         });
         if new.is_empty() {
@@ -236,7 +236,7 @@ impl KeptRuns {
         self.memory.update_value(|memory| {
             let records = &mut memory.records;
             records.insert(header.number, record);
-            memory.own.insert(header.number);
+            memory.own.push(header.number);
             memory.pending = Pending::default();
         });
         self.list.update(|list| list.insert(0, header.clone()));
@@ -327,7 +327,7 @@ impl KeptRuns {
                     self.say_not_stored();
                 }
                 self.memory.update_value(|memory| {
-                    memory.deleting.remove(&number);
+                    memory.deleting.retain(|deleted| *deleted != number);
                 });
             }
         });

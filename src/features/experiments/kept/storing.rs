@@ -77,7 +77,9 @@ impl KeptRuns {
     pub(super) fn change(self, number: u32, change: impl FnOnce(&mut RunHeader)) {
         let mut changed = None;
         self.memory.update_value(|memory| {
-            memory.own.insert(number);
+            if !memory.own.contains(&number) {
+                memory.own.push(number);
+            }
         });
         self.list.update(|list| {
             if let Some(run) = list.iter_mut().find(|run| run.number == number) {
