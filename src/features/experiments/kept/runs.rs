@@ -328,6 +328,8 @@ impl KeptRuns {
                 }
                 self.memory.update_value(|memory| {
                     memory.deleting.retain(|deleted| *deleted != number);
+                    // From now on it is one that was kept from a file.
+                    memory.own.retain(|own| *own != number);
                 });
             }
         });
