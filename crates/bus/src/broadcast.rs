@@ -8,11 +8,12 @@ use crate::{
     exchange::{Exchange, Purpose},
     line_event::LineEventKind,
     motor::Motor,
+    other_bytes::count_line,
     raw::frame::addressee,
     raw::status::RawAnswer,
     receiver::ReceivedReply,
     receiver::{OtherBytes, Segment},
-    replies::{count_line, micros},
+    replies::micros,
 };
 
 /// Most junk bytes beside one clean reply to the ID query. Less than half a frame is noise; more is

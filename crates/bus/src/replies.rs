@@ -9,7 +9,6 @@ use motorlink_protocol::{
 
 use crate::{
     bus::{Bus, LastDrive},
-    counters::Counters,
     event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
     line_event::{LineEvent, LineEventKind},
@@ -18,8 +17,7 @@ use crate::{
     motor::{Control, Motor},
     probe::ProbeResult,
     raw::status::RawAnswer,
-    receiver::ReceivedReply,
-    receiver::{Found, OtherBytes, Segment},
+    receiver::{Found, ReceivedReply},
     sample::Sample,
     timing::{AMBIGUITY_QUIET, LATE, MIN_WINDOW, earliest_reply},
 };
@@ -99,18 +97,6 @@ impl Bus {
         {
             self.process_unrequested_bytes(now);
         }
-    }
-
-    /// Processes bytes that arrived without a request in flight: late replies, and echoes of frames
-    /// that have no reply.
-    pub(crate) fn process_unrequested_bytes(&mut self, now: Instant) {
-        let Line::Free { last } = self.line else {
-            return;
-        };
-        let rest = self.receiver.clear(&last);
-        count_line(&mut self.counters, &rest);
-        self.log_and_record(now, &rest);
-        self.handle_foreign_frames(now, &rest);
     }
 
     fn replied(
@@ -245,37 +231,6 @@ impl Bus {
         }
     }
 
-    /// Processes a good frame outside its window. The request is uncertain, so bytes 6 and 7 stay
-    /// undetermined.
-    pub(crate) fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
-        let ReceivedReply { frame, reading } = received;
-        let id = reading.id();
-        self.log_received(now, &frame, None);
-        self.last_late_reply = Some(now);
-        self.job_late_reply(now, id);
-        let expected = |motor: &Motor| motor.id == id && motor.late.may_come(now);
-        match self.motors.iter_mut().find(|motor| expected(motor)) {
-            Some(motor) => {
-                motor.counters.late += 1;
-                motor.late.late_reply();
-                let Reading::Combined(reply) = reading else {
-                    // Of unknown age: it may name the loop before a switch.
-                    motor.separate.unanswered(false);
-                    motor.count_reply();
-                    return;
-                };
-                if motor.late.may_answer_id_query() {
-                    motor.count_reply();
-                } else if motor.late.makes_round_trip_ambiguous(now) {
-                    self.record_reply(now, reply);
-                } else {
-                    motor.record_reply_of_unknown_age(&reply);
-                }
-            }
-            None => self.counters.wrong_ids += 1,
-        }
-    }
-
     pub(crate) fn record_reply(&mut self, now: Instant, reply: Reply) {
         // A motor that was forgotten meanwhile stays forgotten.
         let limits = self.settings.limits;
@@ -294,35 +249,6 @@ impl Bus {
         }
         self.events
             .push_back(Event::Telemetry(Sample { at: now, reply }));
-    }
-
-    /// Counts and logs the bytes beside a reply or instead of one.
-    pub(crate) fn process_other_bytes(
-        &mut self,
-        now: Instant,
-        exchange: &Exchange,
-        rest: &OtherBytes,
-    ) {
-        let counters = match exchange.expects {
-            Expects::Reply { id, .. } => self.motor_mut(id).map(|motor| &mut motor.counters),
-            Expects::Everyone { .. } | Expects::Nothing => None,
-        };
-        match counters {
-            Some(counters) => count_line(counters, rest),
-            None => count_line(&mut self.counters, rest),
-        }
-        self.log_and_record(now, rest);
-        self.handle_foreign_frames(now, rest);
-    }
-
-    /// Logs the bytes beside the expected reply and records the good frames among them.
-    fn log_and_record(&mut self, now: Instant, rest: &OtherBytes) {
-        for piece in &rest.segments {
-            match piece {
-                Segment::Reply(received) => self.receive_late_reply(now, *received),
-                Segment::Junk(junk) => self.log(now, LineEventKind::Junk(*junk)),
-            }
-        }
     }
 }
 
@@ -377,13 +303,4 @@ fn act_on_reply(
 
 pub(crate) fn micros(duration: Duration) -> u32 {
     u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
-}
-
-pub(crate) fn count_line(counters: &mut Counters, rest: &OtherBytes) {
-    match rest.echoed {
-        0 => {}
-        FRAME_LEN => counters.echoes_whole += 1,
-        _ => counters.echoes_cut += 1,
-    }
-    counters.junk_bytes += rest.junk_bytes as u64;
 }

@@ -1,11 +1,8 @@
 //! Sends frames and applies their effects once the port has taken them.
 
-use std::{cmp::Reverse, time::Duration};
+use std::cmp::Reverse;
 
-use motorlink_protocol::{
-    CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint,
-    family::{Layout, Request},
-};
+use motorlink_protocol::{CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint, family::Request};
 
 use crate::{
     bus::{Bus, LastDrive},
@@ -18,10 +15,7 @@ use crate::{
     pending_transmit::{Effect, PendingTransmit},
     raw::status::RawAnswer,
     schedule::{DueFrame, LastFrame},
-    timing::{
-        FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE,
-        SILENT_FIRSTS_MAX, STOP_PATIENCE,
-    },
+    timing::{REFUSED_MAX, REFUSED_PAUSE, SILENT_FIRSTS_MAX},
 };
 
 impl Bus {
@@ -296,7 +290,7 @@ impl Bus {
             purpose,
             ..
         } = handed;
-        let window = self.window(at, expects, purpose);
+        let window = self.reply_window(at, expects, purpose);
         let airtime = self.model.frame_airtime();
         let exchange = Exchange::begin(at, frame, expects, window, airtime, purpose);
         match expects {
@@ -308,56 +302,5 @@ impl Bus {
             Expects::Nothing => {}
         }
         self.line = Line::Busy(exchange);
-    }
-
-    /// How long the bus waits for the reply.
-    fn window(&mut self, at: Instant, expects: Expects, purpose: Purpose) -> Duration {
-        let (id, layout) = match expects {
-            Expects::Reply { id, layout } => (id, layout),
-            Expects::Everyone { layout: None } => return FIRST_WINDOW,
-            Expects::Everyone { .. } | Expects::Nothing => return ID_QUERY_WINDOW,
-        };
-        if purpose == Purpose::Job
-            && let Some(window) = self.job_window()
-        {
-            return window;
-        }
-        let own = self
-            .motor_mut(id)
-            .and_then(|motor| motor.round_trip.window());
-        let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
-        // While another motor answers, the adapter is not slower than before, so a silent motor
-        // costs the others no longer window. A query for proof, a hold and the stop of a silent
-        // motor are urgent: the wheel turns meanwhile. But if replies come late, a short window
-        // would let the next request collide with one.
-        let in_time = self
-            .last_late_reply
-            .is_none_or(|heard| at.since(heard) > LATE_FORGOTTEN);
-        let unproved = matches!(self.last_drive, LastDrive::InFlight(_));
-        let holds = self
-            .motors
-            .iter()
-            .any(|motor| motor.id == id && motor.is_holding(at));
-        let stops_silent = self.motors.iter().any(|motor| {
-            let stops = matches!(motor.control, Control::Stopping(_));
-            motor.id == id && stops && motor.is_without_answer()
-        });
-        let hurries = holds || stops_silent || (unproved && layout == Layout::Query);
-        let doublings = if in_time && hurries {
-            0
-        } else {
-            self.round_trip.doublings()
-        };
-        let window = (window * (1 << doublings)).min(MAX_WINDOW);
-        // The first stop frame of a motor waits at most STOP_PATIENCE for the reply of another motor.
-        let first_stop_frame_waits = self.motors.iter().any(|motor| match motor.control {
-            Control::Stopping(stop) => motor.id != id && !stop.first_frame_sent,
-            _ => false,
-        });
-        if first_stop_frame_waits {
-            window.min(STOP_PATIENCE)
-        } else {
-            window
-        }
     }
 }

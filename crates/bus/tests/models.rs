@@ -1,64 +1,17 @@
-//! Every model on its own line: driven in each loop, stopped from each, scanned, given another ID.
+//! Every model on its own line: driven in each loop, scanned, limited, given another ID.
 #![cfg(test)]
 
 mod fixture;
-
-use std::time::Duration;
 
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, IdChangeOutcome, LimitOutOfRange, Limits,
     LineEventKind, Refusal, SetIdFrames, WithdrawReason,
 };
-use motorlink_protocol::{
-    CurrentTarget, Detail, Instant, Layout, Mode, MotorId, OpenLoopTarget, PositionTarget, Reply,
-    Setpoint, SpeedTarget, family::Model,
-};
-use motorlink_simulator::{WireFaults, WorldConfig};
+use motorlink_protocol::{Layout, Mode, MotorId, Reply, Setpoint, SpeedTarget, family::Model};
+use motorlink_simulator::WorldConfig;
 
+use fixture::driven_models::{on, setpoint, stopped, switched};
 use fixture::{Fixture, ID, id, ms, rpm, scan_report, to};
-
-fn on(model: Model) -> Fixture {
-    let mut fixture = Fixture::watching(WorldConfig::of(model, [ID]), &[ID]);
-    // A DDSM400 is enabled meanwhile.
-    fixture.run(ms(700));
-    fixture.forget_the_past();
-    fixture
-}
-
-/// A setpoint that turns a free wheel of this model.
-fn setpoint(mode: Mode) -> Setpoint {
-    match mode {
-        Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::new(12_000).unwrap()),
-        Mode::Current => Setpoint::Current(CurrentTarget::from_amps(0.4)),
-        Mode::Velocity => rpm(60),
-        Mode::Position => Setpoint::Position(PositionTarget::from_degrees(90.0)),
-    }
-}
-
-fn switched(model: Model, mode: Mode) -> Fixture {
-    let mut fixture = on(model);
-    if mode != Mode::Velocity {
-        fixture
-            .command(Command::SwitchMode { id: ID, mode })
-            .unwrap();
-        fixture.run(ms(600));
-        assert!(
-            fixture.happened(|event| *event == Event::ModeSwitched { id: ID, mode }),
-            "{model} {mode}: {:?}",
-            fixture.events
-        );
-    }
-    fixture
-}
-
-fn stopped(fixture: &mut Fixture) -> Duration {
-    fixture.command(Command::Stop(ID)).unwrap();
-    fixture.run_until(ms(3_500), |fixture| {
-        fixture.happened(|event| {
-            matches!(event, Event::StopEnded(report) if report.motors.iter().all(|motor| motor.confirmed))
-        })
-    })
-}
 
 #[test]
 fn each_model_is_driven_in_each_of_its_loops_and_stopped_from_it() {
@@ -94,19 +47,6 @@ fn each_model_is_driven_in_each_of_its_loops_and_stopped_from_it() {
 }
 
 #[test]
-fn each_model_stands_soon_after_a_stop_from_its_nominal_speed() {
-    for model in Model::ALL {
-        let mut fixture = on(model);
-        let nominal = model.spec().nominal;
-        let rated = nominal.rated_rpm.unwrap_or(100);
-        fixture.drive(rpm(rated.into())).unwrap();
-        fixture.run(ms(3_000));
-        let took = stopped(&mut fixture);
-        assert!(took <= ms(400), "{model} from {rated} rpm: {took:?}");
-    }
-}
-
-#[test]
 fn each_model_reports_speed_current_temperature_and_angle() {
     for model in Model::ALL {
         let mut fixture = on(model);
@@ -121,22 +61,6 @@ fn each_model_reports_speed_current_temperature_and_angle() {
         assert!((20..=60).contains(&temperature.degrees()), "{model}");
         let (at, _) = status.position.unwrap();
         assert!(fixture.now.since(at) < ms(500), "{model}");
-    }
-}
-
-/// The speed of a wheel that is not driven follows from its angle.
-#[test]
-fn a_coasting_wheel_is_not_taken_to_stand() {
-    for model in [Model::Ddsm210, Model::Ddsm400] {
-        let mut fixture = on(model);
-        fixture.world.motor_mut(ID).unwrap().set_push_nm(0.3);
-        fixture.run(ms(1_500));
-        let reply = fixture.status(ID).last.unwrap().reply;
-        assert!(matches!(reply.detail, Detail::Odometry { .. }));
-        assert!(reply.speed.magnitude() > 20, "{model} {reply:?}");
-        let mode = Mode::Position;
-        let refused = fixture.command(Command::SwitchMode { id: ID, mode });
-        assert!(matches!(refused, Err(Refusal::TooFast(_))), "{model}");
     }
 }
 
@@ -222,28 +146,6 @@ fn each_model_is_found_by_a_scan_and_takes_an_id() {
     }
 }
 
-/// A power cut shorter than the bus needs to call a motor silent. A motor back in the velocity loop would read the
-/// angle of 180 degrees as 1,638 rpm.
-#[test]
-fn a_short_power_cut_in_the_position_loop_turns_no_wheel_fast() {
-    for cut in [15, 25, 40, 60, 90] {
-        let mut fixture = switched(Model::Ddsm210, Mode::Position);
-        let half = Setpoint::Position(PositionTarget::from_degrees(180.0));
-        fixture.drive(half).unwrap();
-        fixture.run(ms(2_000));
-        fixture.world.motor_mut(ID).unwrap().power(false);
-        fixture.run(ms(cut));
-        fixture.world.motor_mut(ID).unwrap().power(true);
-        let mut fastest = 0.0_f32;
-        for _ in 0..300 {
-            fixture.run(ms(5));
-            fastest = fastest.max(fixture.true_rpm().abs());
-        }
-        assert!(fastest < 20.0, "{cut} ms without power: {fastest} rpm");
-        assert_eq!(fixture.activity(), Activity::Idle, "{cut} ms");
-    }
-}
-
 #[test]
 fn a_speed_means_the_same_on_each_model() {
     let target = SpeedTarget::new(-90).unwrap();
@@ -257,23 +159,6 @@ fn a_speed_means_the_same_on_each_model() {
         fixture.command(command).unwrap();
         fixture.run(ms(2_500));
         assert!((fixture.true_rpm() + 90.0).abs() < 3.0, "{model}");
-    }
-}
-
-/// A brake frame that is lost is sent again at once, not 300 ms later.
-#[test]
-fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
-    for seed in 0..20 {
-        let mut fixture = on(Model::Ddsm315);
-        fixture.drive(rpm(100)).unwrap();
-        fixture.run(ms(2_000));
-        fixture.world.set_faults(WireFaults {
-            lose_request: 0.4,
-            ..WireFaults::default()
-        });
-        fixture.run(ms(seed * 7));
-        let took = stopped(&mut fixture);
-        assert!(took <= ms(600), "seed {seed}: {took:?}");
     }
 }
 
@@ -323,35 +208,4 @@ fn commands_and_readings_are_given_to_the_recording_in_the_units_of_the_bus() {
         assert!((58..=62).contains(&reply.speed.rpm()), "{model} {reply:?}");
         assert!(layouts.contains(&Layout::Drive) && layouts.contains(&Layout::Query));
     }
-}
-
-/// Of the brake frames of a DDSM315, one goes out every 300 ms. The first comes before the switch and only coasts.
-#[test]
-fn a_ddsm315_is_braked_as_soon_as_it_reports_the_velocity_loop() {
-    let mut fixture = switched(Model::Ddsm315, Mode::Current);
-    fixture.drive(setpoint(Mode::Current)).unwrap();
-    fixture.run(ms(1_500));
-    fixture.forget_the_past();
-    let began = fixture.now;
-    fixture.command(Command::Stop(ID)).unwrap();
-    let mut in_velocity_loop = None;
-    for _ in 0..100 {
-        fixture.run(ms(5));
-        if in_velocity_loop.is_none() && fixture.world.motor(ID).unwrap().mode() == Mode::Velocity {
-            in_velocity_loop = Some(fixture.now);
-        }
-    }
-    let in_velocity_loop = in_velocity_loop.unwrap();
-    let brakes = fixture
-        .sent
-        .iter()
-        .filter(|sent| sent.drive_of(ID).is_some());
-    let after = |at: &Instant| *at >= in_velocity_loop - ms(5);
-    let first = brakes.map(|sent| sent.at).find(after).unwrap();
-    let waited = first.since(in_velocity_loop);
-    assert!(
-        waited <= ms(25),
-        "{waited:?} of {:?}",
-        in_velocity_loop.since(began)
-    );
 }

@@ -9,9 +9,9 @@ use crate::{
     exchange::{Exchange, Expects, Line},
     line_event::{LineEvent, LineEventKind},
     line_use::Use,
+    other_bytes::count_line,
     raw::frame::addressee,
     receiver::{OtherBytes, ReceivedReply, reply_byte},
-    replies::count_line,
     timing::earliest_reply,
 };
 

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | every address | once |
 //! | one that answered | until two good replies, so that no noise is taken for a motor |
-//! | one whose window held noise, or whose reply came late | until a look is clean, at most [`PROBES_MAX`] times |
+//! | one whose window held noise, or whose reply came late | until a look is clean, at most [`PROBES_MAX`](super::address::PROBES_MAX) times |
 //! | every silent address, on a line that loses replies | once more for every loss, at most [`PASSES_ON_A_BAD_LINE`] times |
 
 use std::{collections::VecDeque, time::Duration};
@@ -21,12 +21,13 @@ use crate::{
     job::status::JobStatus,
     probe::{Probe, ProbeResult},
     round_trip::RoundTrip,
-    scan::report::ScanReport,
-    timing::{FIRST_WINDOW, LATE_REPLY_MAX, SCAN_MARGIN, SCAN_SAMPLING_MAX, SCAN_WINDOW_MAX},
+    scan::{
+        address::{ADDRESSES, Address, place},
+        reply_times::ReplyTimes,
+        report::ScanReport,
+    },
+    timing::{LATE_REPLY_MAX, SCAN_SAMPLING_MAX},
 };
-
-/// Addresses 1-254.
-const ADDRESSES: u16 = 254;
 
 /// ID queries at the start of a scan if the round trip is unknown. Their answers collide, but the
 /// time of the bytes tells how long a reply takes.
@@ -44,42 +45,6 @@ const SLOW_EXCHANGE: Duration = Duration::from_millis(8);
 
 /// With one reply in twenty lost, four probes miss a motor once in 160,000 times.
 const PASSES_ON_A_BAD_LINE: u8 = 4;
-
-/// The reply window follows from the second slowest of this many last replies: one reply delayed by
-/// a busy machine does not lengthen every later window. A reply after its window arrives in the
-/// next one and counts too.
-const RECENT: usize = 16;
-
-/// Good replies that make a motor: one junk window in 256 has a good CRC by chance.
-const REPLIES_WANTED: u8 = 2;
-
-/// Most probes of one address per pass, if noise or a single reply asks for another.
-const PROBES_MAX: u8 = 6;
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Address {
-    probes: u8,
-    replies: u8,
-    /// Whether the last probe brought noise.
-    noisy: bool,
-    /// When it was last probed without an answer in its window.
-    unanswered: Option<Instant>,
-}
-
-impl Address {
-    const fn is_found(self) -> bool {
-        self.replies >= REPLIES_WANTED
-    }
-
-    const fn is_silent(self) -> bool {
-        self.replies == 0 && !self.noisy
-    }
-
-    /// Whether another probe can decide about the address.
-    const fn is_doubtful(self) -> bool {
-        !self.is_found() && !self.is_silent() && self.probes < PROBES_MAX
-    }
-}
 
 /// A running full scan.
 #[derive(Clone, Debug)]
@@ -104,10 +69,7 @@ pub(crate) struct Scan {
     probes_since_sample: u8,
     next_sample: usize,
     sampling_since: Option<Instant>,
-    /// Round trips on this adapter, including those before the scan.
-    round_trip: RoundTrip,
-    /// The last round trips of the scan, newest last.
-    recent: VecDeque<Duration>,
+    reply_times: ReplyTimes,
 }
 
 impl Scan {
@@ -140,8 +102,7 @@ impl Scan {
             probes_since_sample: 0,
             next_sample: 0,
             sampling_since: None,
-            round_trip,
-            recent: VecDeque::with_capacity(RECENT),
+            reply_times: ReplyTimes::new(round_trip),
         }
     }
 
@@ -151,7 +112,7 @@ impl Scan {
             self.id_queries_left -= 1;
             return Some(Probe::IdQuery);
         }
-        let probes_per_sample = if self.round_trip.usual() < SLOW_EXCHANGE {
+        let probes_per_sample = if self.reply_times.usual() < SLOW_EXCHANGE {
             PROBES_PER_SAMPLE
         } else {
             PROBES_PER_SLOW_SAMPLE
@@ -189,36 +150,21 @@ impl Scan {
 
     /// Reply window of a probe.
     pub(crate) fn window(&self) -> Duration {
-        let measured = self.round_trip.window().unwrap_or(FIRST_WINDOW);
-        // The estimator starts with a wide spread, which 254 windows make expensive.
-        let slowest = self.slowest_but_one().map(|slowest| slowest + SCAN_MARGIN);
-        slowest
-            .map_or(measured, |slowest| measured.min(slowest))
-            .min(SCAN_WINDOW_MAX)
-    }
-
-    /// The second slowest of the last replies, or the only one.
-    fn slowest_but_one(&self) -> Option<Duration> {
-        let (mut slowest, mut next) = (None, None);
-        for took in self.recent.iter().copied().map(Some) {
-            next = next.max(slowest.min(took));
-            slowest = slowest.max(took);
-        }
-        next.or(slowest)
+        self.reply_times.window()
     }
 
     /// Result of an ID query: the time of its last byte, if any.
     pub(crate) fn id_query_ended(&mut self, last_byte_after: Option<Duration>) {
         if let Some(took) = last_byte_after {
             self.id_query_answered = true;
-            self.took(took);
+            self.reply_times.add(took);
         }
     }
 
     /// Result of a probe that was sent at `sent`. Returns whether the motor is found by it.
     pub(crate) fn probe_ended(&mut self, id: MotorId, sent: Instant, result: ProbeResult) -> bool {
         if let ProbeResult::Reply(took) = result {
-            self.took(took);
+            self.reply_times.add(took);
         }
         let before = self
             .previous_unanswered
@@ -300,7 +246,7 @@ impl Scan {
         }
         let took = now.since(sent);
         if took <= LATE_REPLY_MAX {
-            self.took(took);
+            self.reply_times.add(took);
         }
     }
 
@@ -313,8 +259,8 @@ impl Scan {
             0
         };
         let passes = u64::from(self.passes().saturating_sub(self.pass)) * u64::from(ADDRESSES);
-        let sampling = (samples * micros(self.round_trip.usual())).min(micros(SCAN_SAMPLING_MAX));
-        let left_us = (probes + passes) * micros(self.window()) + sampling;
+        let sampling = (samples * micros(self.reply_times.usual())).min(micros(SCAN_SAMPLING_MAX));
+        let left_us = (probes + passes) * micros(self.reply_times.window()) + sampling;
         JobStatus::Scanning {
             asked: self.asked,
             of: ADDRESSES,
@@ -331,14 +277,6 @@ impl Scan {
             complete,
             took_ms: u32::try_from(now.since(self.began).as_millis()).unwrap_or(u32::MAX),
         }
-    }
-
-    fn took(&mut self, took: Duration) {
-        self.round_trip.replied(took);
-        if self.recent.len() == RECENT {
-            self.recent.pop_front();
-        }
-        self.recent.push_back(took);
     }
 
     /// A motor that was found, to be probed again.
@@ -378,10 +316,6 @@ impl Scan {
             .map(|(id, _)| id)
             .collect()
     }
-}
-
-const fn place(id: MotorId) -> usize {
-    id.get() as usize - 1
 }
 
 #[cfg(test)]

@@ -1,0 +1,110 @@
+//! Every model comes to a stop, also on a bad line and after a power cut.
+#![cfg(test)]
+
+mod fixture;
+
+use motorlink_bus::{Activity, Command, Refusal};
+use motorlink_protocol::{Detail, Instant, Mode, PositionTarget, Setpoint, family::Model};
+use motorlink_simulator::WireFaults;
+
+use fixture::driven_models::{on, setpoint, stopped, switched};
+use fixture::{ID, ms, rpm};
+
+#[test]
+fn each_model_stands_soon_after_a_stop_from_its_nominal_speed() {
+    for model in Model::ALL {
+        let mut fixture = on(model);
+        let nominal = model.spec().nominal;
+        let rated = nominal.rated_rpm.unwrap_or(100);
+        fixture.drive(rpm(rated.into())).unwrap();
+        fixture.run(ms(3_000));
+        let took = stopped(&mut fixture);
+        assert!(took <= ms(400), "{model} from {rated} rpm: {took:?}");
+    }
+}
+
+/// The speed of a wheel that is not driven follows from its angle.
+#[test]
+fn a_coasting_wheel_is_not_taken_to_stand() {
+    for model in [Model::Ddsm210, Model::Ddsm400] {
+        let mut fixture = on(model);
+        fixture.world.motor_mut(ID).unwrap().set_push_nm(0.3);
+        fixture.run(ms(1_500));
+        let reply = fixture.status(ID).last.unwrap().reply;
+        assert!(matches!(reply.detail, Detail::Odometry { .. }));
+        assert!(reply.speed.magnitude() > 20, "{model} {reply:?}");
+        let mode = Mode::Position;
+        let refused = fixture.command(Command::SwitchMode { id: ID, mode });
+        assert!(matches!(refused, Err(Refusal::TooFast(_))), "{model}");
+    }
+}
+
+/// A power cut shorter than the bus needs to call a motor silent. A motor back in the velocity loop would read the
+/// angle of 180 degrees as 1,638 rpm.
+#[test]
+fn a_short_power_cut_in_the_position_loop_turns_no_wheel_fast() {
+    for cut in [15, 25, 40, 60, 90] {
+        let mut fixture = switched(Model::Ddsm210, Mode::Position);
+        let half = Setpoint::Position(PositionTarget::from_degrees(180.0));
+        fixture.drive(half).unwrap();
+        fixture.run(ms(2_000));
+        fixture.world.motor_mut(ID).unwrap().power(false);
+        fixture.run(ms(cut));
+        fixture.world.motor_mut(ID).unwrap().power(true);
+        let mut fastest = 0.0_f32;
+        for _ in 0..300 {
+            fixture.run(ms(5));
+            fastest = fastest.max(fixture.true_rpm().abs());
+        }
+        assert!(fastest < 20.0, "{cut} ms without power: {fastest} rpm");
+        assert_eq!(fixture.activity(), Activity::Idle, "{cut} ms");
+    }
+}
+
+/// A brake frame that is lost is sent again at once, not 300 ms later.
+#[test]
+fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
+    for seed in 0..20 {
+        let mut fixture = on(Model::Ddsm315);
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(2_000));
+        fixture.world.set_faults(WireFaults {
+            lose_request: 0.4,
+            ..WireFaults::default()
+        });
+        fixture.run(ms(seed * 7));
+        let took = stopped(&mut fixture);
+        assert!(took <= ms(600), "seed {seed}: {took:?}");
+    }
+}
+
+/// Of the brake frames of a DDSM315, one goes out every 300 ms. The first comes before the switch and only coasts.
+#[test]
+fn a_ddsm315_is_braked_as_soon_as_it_reports_the_velocity_loop() {
+    let mut fixture = switched(Model::Ddsm315, Mode::Current);
+    fixture.drive(setpoint(Mode::Current)).unwrap();
+    fixture.run(ms(1_500));
+    fixture.forget_the_past();
+    let began = fixture.now;
+    fixture.command(Command::Stop(ID)).unwrap();
+    let mut in_velocity_loop = None;
+    for _ in 0..100 {
+        fixture.run(ms(5));
+        if in_velocity_loop.is_none() && fixture.world.motor(ID).unwrap().mode() == Mode::Velocity {
+            in_velocity_loop = Some(fixture.now);
+        }
+    }
+    let in_velocity_loop = in_velocity_loop.unwrap();
+    let brakes = fixture
+        .sent
+        .iter()
+        .filter(|sent| sent.drive_of(ID).is_some());
+    let after = |at: &Instant| *at >= in_velocity_loop - ms(5);
+    let first = brakes.map(|sent| sent.at).find(after).unwrap();
+    let waited = first.since(in_velocity_loop);
+    assert!(
+        waited <= ms(25),
+        "{waited:?} of {:?}",
+        in_velocity_loop.since(began)
+    );
+}
