@@ -95,7 +95,7 @@ async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
             runs_saved(2, false),
             "Runs of experiments: 2",
         ),
-        ("everything", runs_saved(1, true), "some are missing"),
+        ("everything", runs_saved(1, true), "are missing"),
     ] {
         let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
         what.set_value(choice);
@@ -135,10 +135,14 @@ async fn the_runs_of_a_file_are_kept_if_asked_for() {
     };
     sessions.post(&FromSessions::RunsKept(Some(kept)));
     until_said(&bench, "tab Runs of Experiments: 1.").await;
-    until_said(&bench, "cannot be read, damaged or of a later version: 2.").await;
+    until_said(
+        &bench,
+        "cannot be read (damaged, or from a later version): 2.",
+    )
+    .await;
     for said in [
-        "there already: 3.",
-        "without room: 4.",
+        "already in the list: 3.",
+        "the list is full: 4.",
         "could not store: 5.",
     ] {
         until_said(&bench, said).await;

@@ -96,7 +96,8 @@ impl Database {
         Ok(bytes.length())
     }
 
-    /// Stores a whole run, in place of what there is of a run with its number. Nothing is changed if it fails.
+    /// Stores a whole run, in place of what there is of a run with its number. `part` is its encoded [`RecordPart`]. Nothing
+    /// is changed if it fails.
     ///
     /// # Errors
     /// The browser cannot store it, such as on a full disk.
@@ -207,14 +208,6 @@ fn range(run: u32) -> Result<JsValue> {
     let range =
         IdbKeyRange::bound_with_lower_open_and_upper_open(&first.into(), &end.into(), false, true)?;
     Ok(range.into())
-}
-
-/// A part of a record as it is stored.
-///
-/// # Errors
-/// None in practice: a part of ours always encodes.
-pub fn encoded(part: &RecordPart) -> Result<Vec<u8>> {
-    encode(part).map_err(|error| JsValue::from(error.to_string()))
 }
 
 fn bytes_of<T: serde::Serialize>(value: &T) -> Result<Uint8Array> {

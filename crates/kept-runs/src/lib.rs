@@ -14,5 +14,5 @@ mod database;
 mod placing;
 
 pub use bounds::{BYTES_MAX, RUNS_MAX, too_many};
-pub use database::{Database, Headers, encoded, erase};
+pub use database::{Database, Headers, erase};
 pub use placing::Placing;

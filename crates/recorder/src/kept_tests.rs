@@ -60,7 +60,7 @@ fn kept(recorder: &mut Recorder, most: u64) -> Vec<KeptRecord> {
 /// The same, of so much of its end.
 fn kept_of(recorder: &mut Recorder, last: Option<Duration>, most: u64) -> Vec<KeptRecord> {
     let mut all = Vec::new();
-    let mut next = recorder.kept_from_begin(last, most);
+    let mut next = recorder.first_kept(last, most);
     loop {
         let Kept::Part {
             records,
@@ -77,7 +77,7 @@ fn kept_of(recorder: &mut Recorder, last: Option<Duration>, most: u64) -> Vec<Ke
             assert_eq!(progress.done, progress.of);
             break;
         }
-        next = recorder.kept(most);
+        next = recorder.next_kept(most);
     }
     all
 }
@@ -186,7 +186,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
     for millis in 0..3 {
         recorder.add_event(&sent(millis, QUERY));
     }
-    let Kept::Part { records, .. } = recorder.kept_from_begin(None, 1) else {
+    let Kept::Part { records, .. } = recorder.first_kept(None, 1) else {
         panic!("a part")
     };
     assert_eq!(records.last(), Some(&KeptRecord::Line(sent(0, QUERY))));
@@ -194,7 +194,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
     recorder.add_event(&sent(11, QUERY));
     let Kept::Part {
         records, is_last, ..
-    } = recorder.kept(100)
+    } = recorder.next_kept(100)
     else {
         panic!("a part")
     };
@@ -209,11 +209,11 @@ fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_as_a_reading() {
         let mut recorder = recorder(4);
         recorder.handle(ToRecorder::Record(true));
         (1..=6).for_each(|millis| recorder.add_event(&received(millis)));
-        let Kept::Part { mut records, .. } = recorder.kept_from_begin(None, read_before) else {
+        let Kept::Part { mut records, .. } = recorder.first_kept(None, read_before) else {
             panic!("a part")
         };
         (7..=8).for_each(|millis| recorder.add_event(&received(millis)));
-        let Kept::Part { records: rest, .. } = recorder.kept(100) else {
+        let Kept::Part { records: rest, .. } = recorder.next_kept(100) else {
             panic!("a part")
         };
         records.extend(rest);
@@ -266,9 +266,9 @@ fn a_log_that_was_cleared_or_restored_meanwhile_is_said() {
         recorder.add_event(&sent(millis, QUERY));
     }
     for message in [ToRecorder::Clear, ToRecorder::EndClear { undo: true }] {
-        recorder.kept_from_begin(None, 1);
+        recorder.first_kept(None, 1);
         recorder.handle(message);
-        assert_eq!(recorder.kept(1), Kept::Changed);
+        assert_eq!(recorder.next_kept(1), Kept::Changed);
     }
     assert_eq!(kept(&mut recorder, 2).len(), 5);
 }

@@ -353,15 +353,15 @@ impl Recorder {
 
     /// The first part of what is kept now, of at most this number of entries and samples; with `last` only of so much
     /// of its end.
-    pub fn kept_from_begin(&mut self, last: Option<Duration>, most: u64) -> Kept {
+    pub fn first_kept(&mut self, last: Option<Duration>, most: u64) -> Kept {
         if self.restoring.is_none() {
             self.kept = Some(KeptReader::new(&mut self.log, &self.recording, last));
         }
-        self.kept(most)
+        self.next_kept(most)
     }
 
     /// The next part, of at most this number of entries and samples.
-    pub fn kept(&mut self, most: u64) -> Kept {
+    pub fn next_kept(&mut self, most: u64) -> Kept {
         if self.restoring.is_some() {
             return Kept::Restoring;
         }

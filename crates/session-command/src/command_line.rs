@@ -33,10 +33,17 @@ pub enum Action {
         /// What to make of it.
         #[arg(long, value_enum, default_value_t = Format::Plot)]
         format: Format,
-        /// Where to write it; without it, to the standard output. For `runs`: the folder to write to, by default the
-        /// current one.
+        /// Where to write it; without it, to the standard output.
         #[arg(long)]
         out: Option<PathBuf>,
+    },
+    /// Writes each run of an experiment as JSON, and as CSV of its setpoints and samples. Exit code 1 if one is unreadable.
+    Runs {
+        /// The file.
+        file: PathBuf,
+        /// The folder to write to.
+        #[arg(long, default_value = ".")]
+        out: PathBuf,
     },
 }
 
@@ -53,6 +60,4 @@ pub enum Format {
     Report,
     /// A session file, such as of a CSV file.
     Mcap,
-    /// Each run of an experiment as two files: JSON, and CSV of its setpoints and samples.
-    Runs,
 }

@@ -15,21 +15,17 @@ use motorlink_session::{
 use crate::{
     command_line::Format,
     file::{Failure, Opened},
-    runs,
 };
 
 /// Bytes per write.
 const PIECE: usize = 64 << 10;
 
-/// Writes a session in this format, to a file or the standard output; runs to files in a folder.
+/// Writes a session in this format, to a file or the standard output.
 pub fn export(
     opened: &mut Opened,
     format: Format,
     out: Option<&Path>,
 ) -> Result<ExitCode, Failure> {
-    if format == Format::Runs {
-        return runs::export(opened, out.unwrap_or(Path::new(".")));
-    }
     let name = out.map_or_else(
         || "standard output".to_owned(),
         |out| out.display().to_string(),
@@ -65,8 +61,6 @@ fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<
             out.write_all(report(&overview, about).as_bytes())?;
         }
         Format::Mcap => mcap(opened, &mut out)?,
-        // Not one file.
-        Format::Runs => {}
     }
     out.flush()
 }

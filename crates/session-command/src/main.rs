@@ -1,4 +1,4 @@
-//! `cargo run -p session -- info|check|export FILE`: prints, checks and converts session files.
+//! `cargo run -p session -- info|check|export|runs FILE`: prints, checks and converts session files.
 
 mod command_line;
 mod export;
@@ -30,5 +30,6 @@ fn run(action: Action) -> Result<ExitCode, Failure> {
         Action::Export { file, format, out } => {
             export::export(&mut Opened::open(&file)?, format, out.as_deref())
         }
+        Action::Runs { file, out } => runs::write(&mut Opened::open(&file)?, &out),
     }
 }

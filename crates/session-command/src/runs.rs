@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Writes each run as `run-NUMBER.json` and `run-NUMBER.csv`, and prints its name. Exit code 1 if one is unreadable.
-pub fn export(opened: &mut Opened, folder: &Path) -> Result<ExitCode, Failure> {
+pub fn write(opened: &mut Opened, folder: &Path) -> Result<ExitCode, Failure> {
     let failed = |error| Failure::Io(folder.display().to_string(), error);
     let source = opened.name.clone();
     let unread = |error| Failure::Io(source.clone(), error);

@@ -89,6 +89,12 @@ impl Fixture {
         command.output().unwrap()
     }
 
+    /// Writes `run.mcap` again as `copy.mcap`.
+    fn copy(&self) {
+        let to = ["--format", "mcap", "--out", "copy.mcap"];
+        self.prints(&[&["export", "run.mcap"], &to[..]].concat());
+    }
+
     /// What it prints, where it succeeds.
     fn prints(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
@@ -179,15 +185,7 @@ fn every_format_is_written() {
     assert_eq!(telemetry.lines().count(), 21);
     let report = fixture.prints(&["export", "run.mcap", "--format", "report"]);
     assert!(report.starts_with("<!DOCTYPE html>") && report.contains("run.mcap"));
-    let copy = [
-        "export",
-        "run.mcap",
-        "--format",
-        "mcap",
-        "--out",
-        "copy.mcap",
-    ];
-    fixture.prints(&copy);
+    fixture.copy();
     assert!(
         fixture
             .prints(&["info", "copy.mcap"])
@@ -203,7 +201,7 @@ fn runs_are_written_as_files_of_a_folder() {
         text.contains("attachment  run-1795266946 ..-gravel"),
         "{text}"
     );
-    let text = fixture.prints(&["export", "run.mcap", "--format", "runs", "--out", "runs"]);
+    let text = fixture.prints(&["runs", "run.mcap", "--out", "runs"]);
     assert_eq!(
         text,
         "..-gravel -[2J: runs/run-1795266946.json, runs/run-1795266946.csv\n"
@@ -214,17 +212,9 @@ fn runs_are_written_as_files_of_a_folder() {
     let (again, _) = run_from_json(&read("runs/run-1795266946.json")).unwrap();
     assert_eq!(again.motors, run().0.motors);
     // A copy of the session has it too.
-    let copy = [
-        "export",
-        "run.mcap",
-        "--format",
-        "mcap",
-        "--out",
-        "copy.mcap",
-    ];
-    fixture.prints(&copy);
+    fixture.copy();
     assert_eq!(
-        fixture.prints(&["export", "copy.mcap", "--format", "runs"]),
+        fixture.prints(&["runs", "copy.mcap"]),
         "..-gravel -[2J: ./run-1795266946.json, ./run-1795266946.csv\n"
     );
 }

@@ -17,8 +17,8 @@ use crate::{
 const START: &str = "run-";
 const END: &str = ".json";
 
-/// The page computes the wall clock at the start of a run, and the recorder that of its events. Both differ by
-/// milliseconds, and after a restored session by more.
+/// The page reads the wall clock at the start of a run, the recorder at its events. They differ by milliseconds, and after
+/// a restored session by more.
 const CLOCKS_DIFFER_MS: f64 = 2_000.0;
 /// If the wall clock is set during a session, both can differ by any time. Then the monotonic clock decides, which begins
 /// again with each visit.

@@ -87,7 +87,7 @@ const PARTS: [Part; 18] = [
     part("help", When::Behind, &["help.", "help-"], 8_200),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
-    // the panel Experiments has in common with the others. The choice of how much is saved takes 900,
+    // the panel Experiments has in common with the others. The choice of how much is saved takes 900, and
     // 900 read JSON faster.
     part("shared", When::Behind, &["chunk"], 77_400),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
@@ -97,8 +97,7 @@ const PARTS: [Part; 18] = [
     // It writes and reads session files, converts them, and explains each frame of them in the exported log. A replay
     // takes 39,700: the state of the bus behind its replies, the rows of the packet log, and the player. A copy
     // with bookmarks takes 9,000. The runs of experiments take 39,000: the browser's database, and the runs as JSON and
-    // back, with the numbers that have a decimal point (11,000 are a table for these). 2,000
-    // decompress and read faster: a jump is drawn 8 ms sooner.
+    // back, with numbers that have a decimal point. 2,000 decompress and read faster: a jump is drawn 5 ms sooner.
     part("session worker", When::Asked, &["sessions-"], 229_500),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     part("runs", When::Asked, &["runs-"], 82_000),

@@ -32,7 +32,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
     let motors: Vec<_> = info.motors.iter().map(motor_row).collect();
     let reads = move || {
         let reads = files.reading.get();
-        reads.map(|_| tr!("Wait until the present task has ended.").to_owned())
+        reads.map(|_| tr!("Wait until the current task has finished.").to_owned())
     };
     let export = move |what, label, hint| {
         view! {

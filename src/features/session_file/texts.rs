@@ -37,7 +37,8 @@ pub(super) fn of_runs_saved(runs: RunsSaved) -> Vec<String> {
     }
     if runs.is_incomplete {
         words.push(
-            tr!("This browser cannot read all runs of experiments: some are missing.").to_owned(),
+            tr!("Some runs of experiments are missing: this browser could not read them.")
+                .to_owned(),
         );
     }
     words
@@ -59,17 +60,17 @@ pub(super) fn of_runs_kept(kept: Option<RunsKept>) -> (bool, String) {
         tr!("Runs added to the tab Runs of Experiments: {count}.", count)
     });
     add(kept.known, &|count| {
-        tr!("Runs that were there already: {count}.", count)
+        tr!("Runs already in the list: {count}.", count)
     });
     add(kept.unreadable, &|count| {
         tr!(
-            "Runs that cannot be read, damaged or of a later version: {count}.",
+            "Runs that cannot be read (damaged, or from a later version): {count}.",
             count
         )
     });
     add(kept.no_room, &|count| {
         tr!(
-            "Runs without room: {count}. Delete some in Experiments, then try again.",
+            "Runs not kept because the list is full: {count}. Delete some in Experiments, then try again.",
             count
         )
     });

@@ -25,9 +25,9 @@ pub fn measure() {
     loop {
         let began = Instant::now();
         let kept = if writer.is_none() {
-            recorder.kept_from_begin(None, PART)
+            recorder.first_kept(None, PART)
         } else {
-            recorder.kept(PART)
+            recorder.next_kept(PART)
         };
         longest = longest.max(began.elapsed());
         let Kept::Part {

@@ -1,7 +1,8 @@
 //! The runs of experiments: from the browser's database into a file that is saved, and from an open file into it.
 
-use motorlink_kept_runs::{Database, Placing, RUNS_MAX, encoded};
+use motorlink_kept_runs::{Database, Placing, RUNS_MAX};
 use motorlink_messages::{
+    encode,
     experiments::{
         kept::RunHeader,
         runner::{Record, RecordPart},
@@ -96,12 +97,14 @@ async fn try_keep(
             outcome.unreadable += 1;
             continue;
         };
-        let part = encoded(&RecordPart {
+        let Ok(part) = encode(&RecordPart {
             samples: record.samples().to_vec(),
             sent: record.sent_setpoints().to_vec(),
             marks: record.marks().to_vec(),
-        });
-        let part = part.unwrap_or_default();
+        }) else {
+            outcome.not_stored += 1;
+            continue;
+        };
         header.bytes = u32::try_from(part.len()).unwrap_or(u32::MAX);
         header.number = match Placing::of(&header, header.bytes, &kept, &numbers, now_s()) {
             Placing::Known => {

@@ -117,7 +117,7 @@ impl KeptRuns {
         }
         self.memory
             .update_value(|memory| memory.database = Some(Rc::new(database)));
-        self.add_new(headers);
+        self.take_headers(headers);
         // A run that began before the database was open.
         let begun = self.list.with_untracked(|list| {
             let mut running = list.iter().filter(|run| run.outcome == Outcome::Running);
@@ -140,13 +140,13 @@ impl KeptRuns {
                 .database()
                 .is_some_and(|now| Rc::ptr_eq(&now, &database));
             if let (true, Ok(headers)) = (is_open, headers) {
-                self.add_new(headers);
+                self.take_headers(headers);
             }
         });
     }
 
-    /// Adds runs that are not in the list, and takes the headers that have changed.
-    fn add_new(self, headers: Headers) {
+    /// Adds these runs to the list, in place of what it had of them.
+    fn take_headers(self, headers: Headers) {
         let mut new = headers.read;
         self.memory.with_value(|memory| {
             new.retain(|run| {
@@ -328,7 +328,7 @@ impl KeptRuns {
                 }
                 self.memory.update_value(|memory| {
                     memory.deleting.retain(|deleted| *deleted != number);
-                    // From now on it is one that was kept from a file.
+                    // A file may bring it back.
                     memory.own.retain(|own| *own != number);
                 });
             }

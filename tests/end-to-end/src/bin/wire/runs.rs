@@ -42,7 +42,7 @@ pub fn measure(watched: Duration) -> Result<()> {
 }
 
 /// Starts the sequence of the panel. Returns when Run was pressed.
-fn run(page: &Page) -> Result<u64> {
+pub fn run(page: &Page) -> Result<u64> {
     page.click("button", "Arm")?;
     page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
     let pressed = now_us();

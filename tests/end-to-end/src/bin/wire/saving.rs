@@ -4,7 +4,7 @@ use std::{thread, time::Duration};
 
 use anyhow::{Context, Result, ensure};
 use end_to_end::{
-    Bench, Line, WireLog,
+    Bench, Line, Page, WireLog,
     figures::{ratio, row, row_without_bound},
     now_us,
 };
@@ -13,6 +13,7 @@ use serde::Deserialize;
 use crate::driving::{SETTLES, connected, spin};
 
 const HERTZ: u16 = 500;
+const RUN: Duration = Duration::from_secs(30);
 /// The browser answers a call in 20 s.
 const CALL: Duration = Duration::from_secs(10);
 
@@ -46,6 +47,7 @@ struct Saved {
 pub fn measure(watched: Duration) -> Result<()> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, Line::default())?;
+    keep_run(&page)?;
     page.click("button", "Session file")?;
     page.find("button", "Save session")?;
     spin(&page, HERTZ)?;
@@ -71,6 +73,10 @@ pub fn measure(watched: Duration) -> Result<()> {
         words = pass.words;
     }
     ensure!(saves > 0, "nothing was saved");
+    ensure!(
+        words.contains("Runs of experiments: 1"),
+        "no run in it: {words}"
+    );
     let p99 = |wire: &WireLog| wire.gaps().map(|gaps| gaps.p99_us).context("no frame");
     let (without, meanwhile) = (p99(&without)?, p99(&meanwhile)?);
     let longer = ratio(meanwhile, without);
@@ -80,13 +86,24 @@ pub fn measure(watched: Duration) -> Result<()> {
         format!("{longer:.2}: {meanwhile} of {without} us"),
         longer <= 1.05,
     );
-    // `Saved motorlink-2026-11-25.mcap: 3.1 MB, 98,000 records`
+    // `Saved motorlink-2026-11-25.mcap: 3.1 MB, 98,000 records. Runs of experiments: 1`
     let content = words.split_once(": ").map_or("", |(_, content)| content);
     row_without_bound(
         "the same: saves one after the other, the longest, the last file",
         format!("{saves} saves, {longest_ms:.0} ms, {content}"),
     );
     crate::ensure_quiet(&page)
+}
+
+/// Runs the sequence of the panel for half a minute: each save attaches that run.
+fn keep_run(page: &Page) -> Result<()> {
+    page.click("button", "Experiments")?;
+    thread::sleep(SETTLES);
+    crate::runs::run(page)?;
+    thread::sleep(RUN);
+    page.click("button", "Abort")?;
+    page.wait_for_text("status", "Result of the run", |text| !text.is_empty())?;
+    Ok(())
 }
 
 /// The drive frames of this time.

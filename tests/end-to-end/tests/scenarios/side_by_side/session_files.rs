@@ -229,7 +229,7 @@ fn a_run_is_in_the_session_and_is_kept_again_from_its_file() -> Result<()> {
     })?;
     for said in [
         "Runs added to the tab Runs of Experiments: 1.",
-        "there already: 1.",
+        "already in the list: 1.",
     ] {
         page.click("button", "Keep these runs")?;
         page.wait_for_text("status", "Session file", |text| text.contains(said))?;
