@@ -2,7 +2,7 @@
 
 use std::{thread, time::Duration};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use end_to_end::{
     Bench, Line, Page, WireLog,
     figures::{ms, percentile, row},
@@ -47,7 +47,11 @@ pub fn run(page: &Page) -> Result<u64> {
     page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
     let pressed = now_us();
     page.click("button", "Run")?;
-    page.wait_for_text("status", "Run", |text| text.contains("Running"))?;
+    let running = page.wait_for_text("status", "Run", |text| text.contains("Running"));
+    if let Err(error) = running {
+        let said = page.find("status", "Result of the run")?.text()?;
+        bail!("{error:#}; the page says: {said}");
+    }
     Ok(pressed)
 }
 
