@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    MotorId,
+    MotorId, Position,
     family::{Fault, Model},
 };
 
@@ -48,6 +48,12 @@ pub struct MotorConfig {
     /// A fault that it reports at all times, for whatever cause. As with any active fault, drive frames are
     /// answered but not obeyed. A fault that the model does not have is not reported. Default none.
     pub fault: Option<Fault>,
+    /// The speed in rpm that every reply reports, however fast the wheel turns. A DDSM210 that turned was seen to report
+    /// -0.1 rpm for ever (`waveshareteam/ddsm_example#2`). Default none.
+    pub speed_stuck_rpm: Option<f32>,
+    /// The angle that every drive reply of combined frames reports, wherever the wheel is; replies to queries stay true.
+    /// A motor was seen to report 0x1234 for ever (`DDTRobot/motor-driver-examples#1`). Default none.
+    pub drive_angle_stuck: Option<Position>,
 }
 
 impl MotorConfig {
@@ -89,6 +95,8 @@ impl Default for MotorConfig {
             set_id_frames: 5,
             obeys_all: false,
             fault: None,
+            speed_stuck_rpm: None,
+            drive_angle_stuck: None,
         }
     }
 }

@@ -236,7 +236,7 @@ impl VirtualMotor {
         let encoder = Encoder::read(self.wheel.turns());
         let detail = match layout.combined()? {
             Layout::Drive => Detail::Drive {
-                position: encoder.fine(),
+                position: self.config.drive_angle_stuck.unwrap_or(encoder.fine()),
             },
             Layout::Query => Detail::Query {
                 temperature: Celsius::new(nearest_u8(self.heat.winding_c())),
@@ -247,11 +247,17 @@ impl VirtualMotor {
             id: self.id(),
             mode: self.mode(),
             current: Current::from_amps(narrow(self.measured_a())),
-            speed: Rpm::new(nearest_i16(rpm(self.wheel.speed_rad_s()))),
+            speed: Rpm::new(nearest_i16(self.reported_rpm())),
             detail,
             faults: Faults::from_byte(self.fault_byte()),
         };
         Some(reply.frame())
+    }
+
+    /// The reported speed, before it is rounded.
+    fn reported_rpm(&self) -> f64 {
+        let stuck = self.config.speed_stuck_rpm.map(f64::from);
+        stuck.unwrap_or(rpm(self.wheel.speed_rad_s()))
     }
 
     /// The reported current with its noise, which a motor at rest hardly has.

@@ -6,7 +6,9 @@ mod fixture;
 use fixture::{
     Fixture, LAYOUTS, ONE, angle, current, fine_degrees, id, ms, query_detail, speed, us,
 };
-use motorlink_protocol::{AssignableId, Drive, Faults, Frame, Layout, Mode, Request, Setpoint};
+use motorlink_protocol::{
+    AssignableId, Drive, Faults, Frame, Layout, Mode, Position, Request, Setpoint,
+};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
 /// Captures: `C8 64 ..` is answered with mode 2 after power-up.
@@ -39,6 +41,36 @@ fn both_layouts_tell_the_same_angle() {
         "{}",
         fine_degrees(&reply)
     );
+}
+
+#[test]
+fn a_stuck_angle_is_that_of_drive_replies_only() {
+    let mut fixture = Fixture::new(WorldConfig {
+        motors: vec![MotorConfig {
+            angle_deg: 200.0,
+            drive_angle_stuck: Some(Position::from_raw(0x1234)),
+            ..MotorConfig::default()
+        }],
+        ..WorldConfig::default()
+    });
+    let reply = fixture.drive(speed(0)).expect("an answer");
+    assert!((fine_degrees(&reply) - 51.2).abs() < 0.1);
+    let (_, coarse) = query_detail(&fixture.query());
+    assert!((coarse - 200.0).abs() < 0.8, "{coarse}");
+}
+
+#[test]
+fn a_stuck_speed_is_reported_while_the_wheel_turns() {
+    let mut fixture = Fixture::new(WorldConfig {
+        motors: vec![MotorConfig {
+            speed_stuck_rpm: Some(0.0),
+            ..MotorConfig::default()
+        }],
+        ..WorldConfig::default()
+    });
+    fixture.drive_watching(speed(100), ms(1_000), |_, _| {});
+    assert_eq!(fixture.query().speed.rpm(), 0);
+    assert!(fixture.world.motor(ONE).unwrap().speed_rpm() > 90.0);
 }
 
 #[test]

@@ -98,7 +98,7 @@ impl VirtualMotor {
             let turns = self.wheel.turns() - zero_turns.unwrap_or_default();
             return Encoder::read_rising(turns).fine().raw().cast_signed();
         }
-        let tenths = nearest_i32(rpm(self.wheel.speed_rad_s()) * 10.0);
+        let tenths = nearest_i32(self.reported_rpm() * 10.0);
         model.raw_of_speed(Speed::from_tenths(tenths))
     }
 }
