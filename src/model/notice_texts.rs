@@ -386,6 +386,7 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::OneMotor => tr!("A motor was stopped."),
         StopReason::Job => tr!("A bus scan is starting."),
         StopReason::OtherModel => tr!("A motor of another model answered."),
+        StopReason::LeftDriven => tr!("Motors were running when the connection was lost."),
     }
 }
 

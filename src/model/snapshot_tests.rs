@@ -34,6 +34,8 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
         position: None,
         temperature: Some((Instant::from_millis(at_ms), Celsius::new(33))),
         silent: false,
+        may_turn: false,
+        turns_unasked: false,
         link: LinkQuality::default(),
         counters: Counters::default(),
     }

@@ -146,6 +146,11 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             model,
             speed = model.spec().speed_rpm_max
         ),
+        Refusal::StopsFirst => tr!(
+            "Motors that were running when the connection was lost are being stopped. Press again \
+             when they stand."
+        )
+        .to_owned(),
         Refusal::OtherModel { expected, found } => other_model(expected, found),
         Refusal::NotAssignable(id) => tr!(
             "ID {id} is not allowed: a scan cannot find 0x00 or 0xFF, and 0xC8 is reserved for the \

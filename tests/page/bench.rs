@@ -310,6 +310,8 @@ pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
         position: None,
         temperature: None,
         silent: false,
+        may_turn: false,
+        turns_unasked: false,
         link: LinkQuality::default(),
         counters: Counters::default(),
     }

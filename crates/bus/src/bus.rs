@@ -289,6 +289,7 @@ impl Bus {
             just_freed: now.since(self.freed_at) < JUST_FREED,
             queries_from: self.queries_from,
             silent_stop_round: self.silent_stop_round,
+            stops_first: self.stops_first(),
             drive_waits_for_proof: matches!(self.last_drive, LastDrive::InFlight(_)),
         };
         next_turn(

@@ -232,6 +232,8 @@ pub enum Refusal {
     },
     /// Motors of this model do not take this speed.
     AboveSpeedOfModel(Model),
+    /// The motors that an earlier connection left driven are being stopped.
+    StopsFirst,
     /// Replies have shown motors of this model, so a value could be ten times too large.
     OtherModel {
         /// The model of the line.
@@ -324,6 +326,9 @@ impl fmt::Display for Refusal {
                 f,
                 "A {model} takes at most {} rpm. Set less.",
                 model.spec().speed_rpm_max
+            ),
+            Self::StopsFirst => f.write_str(
+                "Motors that were running when the connection was lost are being stopped. Press again when they stand.",
             ),
             Self::OtherModel { expected, found } => write!(
                 f,

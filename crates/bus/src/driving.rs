@@ -178,7 +178,7 @@ impl Bus {
         if self.halted {
             Err(Refusal::Halted)
         } else {
-            Ok(())
+            self.check_not_stopping_first()
         }
     }
 }

@@ -114,6 +114,8 @@ pub enum StopReason {
     OneMotor,
     /// A reply shows a motor of another model.
     OtherModel,
+    /// The motors were driven when an earlier connection ended: see [`Bus::stop_first`](crate::Bus::stop_first).
+    LeftDriven,
 }
 
 /// Why the bus withdrew a setpoint.

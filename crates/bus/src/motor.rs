@@ -25,6 +25,7 @@ use crate::{
         DRIVEN_SILENCE_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_QUERY_PERIOD, TEMPERATURE_JUMP,
     },
     torque::Torque,
+    turning_unasked::TurningUnasked,
 };
 
 mod known;
@@ -90,6 +91,11 @@ pub(crate) struct Motor {
     pub(crate) control: Control,
     /// Whether it was driven and no reply has reported standstill since.
     pub(crate) may_turn: bool,
+    /// Whether a raw frame may have moved it since its last stop.
+    pub(crate) moved_raw: bool,
+    /// The loop that an earlier connection left it in, until it answers.
+    pub(crate) left_in: Option<Mode>,
+    turning_unasked: TurningUnasked,
     last: Option<Sample>,
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
@@ -130,6 +136,9 @@ impl Motor {
             separate: Separate::default(),
             control: Control::Idle,
             may_turn: false,
+            moved_raw: false,
+            left_in: None,
+            turning_unasked: TurningUnasked::default(),
             last: None,
             position: None,
             temperature: None,
@@ -160,6 +169,11 @@ impl Motor {
     pub(crate) fn record_reply(&mut self, at: Instant, reply: Reply, limits: Limits) -> bool {
         let sample = Sample { at, reply };
         self.last = Some(sample);
+        if self.is_free() {
+            self.turning_unasked.record(&reply);
+        } else {
+            self.turning_unasked.clear();
+        }
         self.overcurrent.record(sample, limits);
         if let Control::Driven(driven) = self.control {
             let exceeded = limits.exceeded(sample, None, self.overcurrent, driven.since);
@@ -193,6 +207,7 @@ impl Motor {
     /// Records that a reply arrived, without its content.
     pub(crate) fn count_reply(&mut self) {
         self.late.replied();
+        self.left_in = None;
         if let Some(switched) = &mut self.switched_to {
             switched.outstanding = switched.outstanding.saturating_sub(1);
         }
@@ -290,7 +305,10 @@ impl Motor {
     /// Starts the stop of this motor and clears the exceeded limit.
     pub(crate) fn stops(&mut self, stop: Stopping) {
         self.control = Control::Stopping(stop);
-        self.may_turn = true;
+        // A motor that never answered may not exist. If it was driven all the same, it still may turn.
+        self.may_turn |= self.has_answered();
+        self.moved_raw = false;
+        self.turning_unasked.clear();
         self.exceeded = None;
     }
 

@@ -48,6 +48,11 @@ pub struct MotorStatus {
     pub temperature: Option<(Instant, Celsius)>,
     /// Whether it has not answered for two seconds.
     pub silent: bool,
+    /// Whether it was driven, and no reply has confirmed standstill since.
+    pub may_turn: bool,
+    /// Whether it turns at 10 rpm or more, or draws the current of a driven motor, although nothing here drives it.
+    /// Not while it is stopped, nor after a raw frame until it is stopped.
+    pub turns_unasked: bool,
     /// Quality of the link to it.
     pub link: LinkQuality,
     /// Counters of the exchanges with it.

@@ -69,6 +69,8 @@ pub(crate) struct Pacing {
     pub(crate) queries_from: Instant,
     /// The stop round after which a silent motor gets its next frame.
     pub(crate) silent_stop_round: u32,
+    /// Whether nothing but the stop goes out, no query either.
+    pub(crate) stops_first: bool,
     /// Whether drive frames wait for a byte that proves that the line carried the last one. Stop
     /// frames do not wait.
     pub(crate) drive_waits_for_proof: bool,
@@ -92,6 +94,7 @@ pub(crate) fn next_turn(
         just_freed,
         queries_from,
         silent_stop_round,
+        stops_first,
         drive_waits_for_proof,
     } = pacing;
     let due = |at: Instant| now + EARLY >= at;
@@ -113,7 +116,7 @@ pub(crate) fn next_turn(
         _ => None,
     })
     .map(|(at, id)| (at, DueFrame::Drive(id)));
-    let query = next_query(motors);
+    let query = next_query(motors).filter(|_| !stops_first);
 
     // The reply window of a silent motor may be as long as the time between its frames. So at most one switch or
     // query goes between two stop frames.

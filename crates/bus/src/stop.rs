@@ -30,6 +30,9 @@ pub(crate) struct Stopping {
     pub(crate) first_frame_sent: bool,
     switches: u8,
     next_switch: Instant,
+    /// Whether the last frame was a switch. The next one is a brake or a query, so that rounds longer than
+    /// [`SWITCH_PERIOD`] starve neither.
+    has_just_switched: bool,
     /// Earliest time of the next brake frame: see [`Spec::stop_period_min`].
     ///
     /// [`Spec::stop_period_min`]: motorlink_protocol::family::Spec::stop_period_min
@@ -60,6 +63,7 @@ impl Stopping {
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
+            has_just_switched: false,
             next_brake: now,
             standstill_replies: 0,
             reports_position: false,
@@ -77,7 +81,7 @@ impl Stopping {
         must_be_enabled: bool,
     ) -> Request {
         let switches = self.plan != StopPlan::Brake || must_be_enabled;
-        if switches && now >= self.next_switch {
+        if switches && now >= self.next_switch && !self.has_just_switched {
             if must_be_enabled && self.switches.is_multiple_of(2) {
                 Request::Enable { id, on: true }
             } else {
@@ -121,7 +125,9 @@ impl Stopping {
         if let (Request::Drive { .. }, Some(least)) = (request, model.spec().stop_period_min) {
             self.next_brake = now + least;
         }
-        if matches!(request, Request::SwitchMode { .. } | Request::Enable { .. }) {
+        self.has_just_switched =
+            matches!(request, Request::SwitchMode { .. } | Request::Enable { .. });
+        if self.has_just_switched {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
             // A switch has no reply, so the next frame need not wait for a round.
@@ -192,19 +198,24 @@ impl Stopping {
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveStop {
     reason: StopReason,
+    /// Whether it goes before everything else on the port, and nothing drives until it has ended.
+    pub(crate) goes_first: bool,
 }
 
 impl ActiveStop {
     pub(crate) const fn new(reason: StopReason) -> Self {
-        Self { reason }
+        Self {
+            reason,
+            goes_first: false,
+        }
     }
 
     /// Joins another stop. A stop of all motors replaces the reason of a stop of one; a stop for a
-    /// job does not replace that of a stop of all.
+    /// job, or of what was left driven, does not replace that of a stop of all.
     pub(crate) fn join(&mut self, reason: StopReason) {
         let weaker = match reason {
             StopReason::OneMotor => true,
-            StopReason::Job => self.reason != StopReason::OneMotor,
+            StopReason::Job | StopReason::LeftDriven => self.reason != StopReason::OneMotor,
             _ => false,
         };
         if !weaker {

@@ -103,7 +103,8 @@ impl Bus {
         for motor in &mut self.motors {
             if let Control::Stopping(stop) = motor.control {
                 let confirmed = stop.confirmed();
-                motor.may_turn = !confirmed;
+                // A motor that was never driven and never answers does not begin to turn by it.
+                motor.may_turn &= !confirmed;
                 motor.control = Control::Idle;
                 let speed = motor.fresh_speed(now);
                 outcomes.push(StopOutcome {

@@ -96,6 +96,15 @@ pub(crate) const LOOP_QUERY_PERIOD: Duration = Duration::from_millis(20);
 /// The motor refuses the position loop at this speed and above.
 pub const POSITION_SWITCH_RPM: u16 = 10;
 
+/// A wheel that nothing here drives turns unasked from this speed on. Below, a person turns it by hand.
+pub(crate) const UNASKED_RPM: u16 = 10;
+/// A motor that nothing here drives and that draws more than this is driven by a command that it kept: 0.25 A, the most
+/// that the data sheet of the M0601 gives for a wheel that turns freely at 200 rpm. Standing motors were captured with up to
+/// 57 raw (0.014 A), at 100 rpm with up to 1,475 (0.36 A).
+pub(crate) const UNASKED_CURRENT_RAW: u16 = 1_024;
+/// Calm replies in a row that end it: as many as make a standstill.
+pub(crate) const UNASKED_CALM_REPLIES: u8 = STANDSTILL_REPLIES;
+
 /// Time between two rounds of stop frames: two exchanges of a fast adapter, 200 frames per second,
 /// far above the 50 Hz that the brake needs.
 pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);

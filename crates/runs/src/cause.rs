@@ -40,7 +40,7 @@ const fn stopped(reason: StopReason) -> Cause {
         StopReason::Disconnect => Cause::PortClosed,
         StopReason::Job => Cause::Scan,
         StopReason::OtherModel => Cause::OtherModel,
-        StopReason::Operator | StopReason::OneMotor => Cause::Stopped,
+        StopReason::Operator | StopReason::OneMotor | StopReason::LeftDriven => Cause::Stopped,
     }
 }
 

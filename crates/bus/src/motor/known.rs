@@ -86,6 +86,11 @@ impl Motor {
         self.last.is_some()
     }
 
+    /// Whether nothing here drives, switches or stops it, and no raw frame has moved it.
+    pub(super) const fn is_free(&self) -> bool {
+        matches!(self.control, Control::Idle) && !self.moved_raw
+    }
+
     /// Whether its last requests in a row had no answer.
     pub(crate) const fn is_without_answer(&self) -> bool {
         self.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX
@@ -128,6 +133,8 @@ impl Motor {
             position: self.position,
             temperature: self.temperature,
             silent: self.silent,
+            may_turn: self.may_turn,
+            turns_unasked: self.is_free() && self.turning_unasked.is_shown(),
             link: LinkQuality {
                 command_hz: self.drive_frames.hertz(now),
                 round_trip_us: self.round_trip.median_us(),

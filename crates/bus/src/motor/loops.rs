@@ -64,11 +64,19 @@ impl Motor {
 
     /// The loop that a reply of the last 500 ms has reported, and the last known loop.
     pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
-        let last = self.last_mode();
-        match self.switched_to.map(|switched| switched.to) {
-            Some(Mode::Position) => (None, Some(Mode::Position)),
+        let last = self.assumed_loop();
+        match self.switched_to {
             Some(_) => (None, last),
             None => (self.fresh_mode(now), last),
+        }
+    }
+
+    /// The loop that it may be in, by all that is known. An unconfirmed switch to the position loop counts: in it a zero
+    /// moves the wheel.
+    pub(crate) fn assumed_loop(&self) -> Option<Mode> {
+        match self.switched_to.map(|switched| switched.to) {
+            Some(Mode::Position) => Some(Mode::Position),
+            _ => self.last_mode().or(self.left_in),
         }
     }
 

@@ -44,6 +44,9 @@ impl Bus {
             Expects::of_raw(self.model, &frame),
             Expects::Everyone { .. }
         );
+        if raw.is_hazardous() {
+            self.check_not_stopping_first()?;
+        }
         if raw.is_hazardous() || holds_line {
             self.check_nothing_driven()?;
         }
@@ -196,11 +199,14 @@ impl Bus {
             (RawEffect::Probe | RawEffect::SetId, _) => {}
             (RawEffect::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(now, mode),
             (RawEffect::Drive { .. } | RawEffect::Unknown, Some(id)) => {
-                self.watch(now, id).may_turn = true;
+                let motor = self.watch(now, id);
+                motor.may_turn = true;
+                motor.moved_raw = true;
             }
             (effect, None) => {
                 for motor in &mut self.motors {
                     motor.may_turn = true;
+                    motor.moved_raw = true;
                     if let RawEffect::Switch(mode) = effect {
                         motor.switch_sent(now, mode);
                     }

@@ -15,6 +15,7 @@ impl Bus {
     }
 
     pub(crate) fn begin_scan(&mut self, now: Instant) -> Result<(), Refusal> {
+        self.check_not_stopping_first()?;
         self.check_no_job()?;
         self.stop_for_job(now);
         self.proved_alone = None;

@@ -59,6 +59,8 @@ fn status(last: Option<Sample>) -> MotorStatus {
         position: None,
         temperature: None,
         silent: false,
+        may_turn: false,
+        turns_unasked: false,
         link: LinkQuality::default(),
         counters: Counters::default(),
     }

@@ -1,0 +1,92 @@
+//! Motors that an earlier connection left driven: they are stopped first.
+
+use motorlink_protocol::{Instant, Mode, MotorId};
+
+use crate::{
+    bus::Bus,
+    command::Refusal,
+    event::StopReason,
+    motor::{Control, Motor},
+};
+
+/// A motor that was driven over an earlier connection and whose standstill no reply has confirmed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LeftDriven {
+    /// Which motor.
+    pub id: MotorId,
+    /// The loop it was last driven in; `None` if it is not known.
+    pub mode: Option<Mode>,
+}
+
+impl Bus {
+    /// Stops these motors as the first act on the port, before the ID query and every other request. Nothing drives
+    /// until that stop has ended.
+    ///
+    /// A motor keeps its last command when frames cease, so a motor that was driven when the port was lost may still
+    /// turn. Call it before the first [`Bus::poll`]. It does not halt the bus.
+    pub fn stop_first(&mut self, now: Instant, motors: impl IntoIterator<Item = LeftDriven>) {
+        let mut ids = Vec::new();
+        for LeftDriven { id, mode } in motors {
+            let motor = self.watch(now, id);
+            motor.may_turn = true;
+            motor.left_in = mode;
+            ids.push(id);
+        }
+        if ids.is_empty() {
+            return;
+        }
+        self.begin_stop(now, StopReason::LeftDriven, |motor| ids.contains(&motor.id));
+        if let Some(stop) = &mut self.stop {
+            stop.goes_first = true;
+        }
+    }
+
+    /// The motors that are driven, or whose standstill is not confirmed since: what to remember if the port is lost now.
+    ///
+    /// Before each frame that may start a motion, the motor is among them.
+    pub fn left_driven(&self) -> impl Iterator<Item = LeftDriven> {
+        let motors = self.motors.iter();
+        let left = motors.filter(|motor| motor.is_left_driven() || self.is_driven_raw(motor.id));
+        left.map(|motor| LeftDriven {
+            id: motor.id,
+            mode: motor.left_loop(),
+        })
+    }
+
+    /// Whether the stop runs that goes before everything else on the port.
+    pub(crate) fn stops_first(&self) -> bool {
+        self.stop.as_ref().is_some_and(|stop| stop.goes_first)
+    }
+
+    /// Refuses what may move a wheel, or takes the line, while that stop runs.
+    pub(crate) fn check_not_stopping_first(&self) -> Result<(), Refusal> {
+        if self.stops_first() {
+            Err(Refusal::StopsFirst)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl Motor {
+    /// Whether it would be left driven if the port were lost now.
+    fn is_left_driven(&self) -> bool {
+        let starts = match self.control {
+            Control::Switching(switch) => switch.was_driven || switch.queued_setpoint.is_some(),
+            Control::Driven(_) => true,
+            Control::Idle | Control::Stopping(_) => false,
+        };
+        starts || self.may_turn
+    }
+
+    /// The loop that it was last driven in; `None` if it may be another one.
+    fn left_loop(&self) -> Option<Mode> {
+        match self.control {
+            Control::Driven(driven) => Some(driven.goal.mode()),
+            // It may be in either.
+            Control::Switching(_) => None,
+            Control::Idle | Control::Stopping(_) => self.assumed_loop(),
+        }
+    }
+}
