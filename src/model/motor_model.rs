@@ -108,9 +108,9 @@ mod tests {
                 .unwrap()
                 .contains("Stop all motors")
         );
-        let mut coasting = session(1_000, status(1_000, Mode::Velocity, 20));
-        coasting.connection = PORT;
-        assert!(choice_blocked_by(&coasting).is_some());
+        let mut turning = session(1_000, status(1_000, Mode::Velocity, 20));
+        turning.connection = PORT;
+        assert!(choice_blocked_by(&turning).is_some());
         assert_eq!(choice_blocked_by(&Session::default()), None);
     }
 }

@@ -81,7 +81,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             Topic::Port,
             Tone::Calm,
             tr!("Adapter reconnected"),
-            &[tr!("No motor is running. Press Start when you are ready.")],
+            &[tr!("No motor starts until you press Start.")],
         ),
         Notice::LineError => NoticeText::new(
             Topic::Line,
@@ -309,30 +309,37 @@ fn of_unconfirmed_motor(motor: StopOutcome) -> String {
 }
 
 fn of_lost_adapter(driven: &[MotorId]) -> NoticeText {
-    let coasts = match driven {
+    let may_turn = match driven {
         [] => None,
         [id] => Some(tr!(
-            "Motor {id} was running: without frames, its wheel coasts to a standstill. Keep clear.",
+            "Motor {id} was running, and its wheel may keep turning. Only the power switch stops it \
+             now. Keep clear.",
             id
         )),
         ids => Some(tr!(
-            "{count} motors were running: without frames, their wheels coast to a standstill. Keep \
-             clear.",
+            "{count} motors were running, and their wheels may keep turning. Only the power switch \
+             stops them now. Keep clear.",
             count = ids.len()
         )),
     };
     let mut words = NoticeText::new(Topic::Port, Tone::Error, tr!("Adapter unplugged"), &[])
         .explained_at(HelpTopic::StoppedByItself);
-    words.advice.extend(coasts);
-    let plug =
-        tr!("Plug it back in. The page reconnects, but no motor runs until you press Start.");
+    let plug = if may_turn.is_some() {
+        tr!("Plug it back in. The page reconnects and stops what was running first.")
+    } else {
+        tr!("Plug it back in. The page reconnects, but no motor starts until you press Start.")
+    };
+    words.advice.extend(may_turn);
     words.advice.push(plug.to_owned());
     words
 }
 
 /// The worker itself has failed.
 pub(crate) fn of_dead_worker(driven: bool) -> NoticeText {
-    let coasts = tr!("No frames are sent any more, so a running wheel coasts to a standstill.");
+    let may_turn = tr!(
+        "No frames are sent any more: a wheel that was running may keep turning. Only the power \
+         switch stops it now."
+    );
     let mut words = NoticeText::new(
         Topic::Worker,
         Tone::Error,
@@ -340,7 +347,7 @@ pub(crate) fn of_dead_worker(driven: bool) -> NoticeText {
         &[tr!("Reload the page to continue.")],
     );
     if driven {
-        words.advice.insert(0, coasts.to_owned());
+        words.advice.insert(0, may_turn.to_owned());
     }
     words.remedy = Some(Remedy::Reload);
     words.explained_at(HelpTopic::StoppedByItself)

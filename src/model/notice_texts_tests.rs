@@ -118,13 +118,15 @@ fn a_drive_that_was_ended_says_what_was() {
 }
 
 #[test]
-fn a_lost_adapter_says_that_a_driven_wheel_coasts() {
+fn a_lost_adapter_says_that_a_driven_wheel_may_keep_turning() {
     let lost = |driven: &[MotorId]| {
         let driven = driven.to_vec();
         said(&Notice::AdapterLost { driven }).unwrap()
     };
-    assert!(lost(&[ID]).contains("coasts"));
-    assert!(!lost(&[]).contains("coasts"));
+    let driven = lost(&[ID]);
+    assert!(driven.contains("may keep turning"), "{driven}");
+    assert!(driven.contains("power switch"), "{driven}");
+    assert!(!lost(&[]).contains("turning"));
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Drives motor 1 at 50 rpm for two seconds over a serial port of this machine, and stops it.
 //!
 //! `cargo run -p motorlink-bus --example spin -- /dev/ttyUSB0`. **The wheel turns**: fasten the motor
-//! first. Where this program ends early its frames end with it, and the wheel coasts.
+//! first. If this program or the cable fails, the wheel may keep turning: only
+//! the power switch stops it then.
 
 use std::{env, error::Error, io::ErrorKind, time};
 

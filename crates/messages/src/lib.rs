@@ -117,7 +117,7 @@ pub enum ToPage {
         /// [`Instant`] of the worker on its own clock.
         time_origin_ms: f64,
     },
-    /// The worker has failed and does nothing any more: frames cease, and what was driven coasts.
+    /// The worker has failed and does nothing any more: frames cease, and a driven wheel may keep turning.
     Died,
     /// Are you there? Without [`ToWorker::Pong`] for a second the worker stops all motors.
     Ping,
@@ -266,7 +266,7 @@ pub enum Notice {
     StopBegan(StopReason),
     /// A stop has ended.
     StopEnded(StopReport),
-    /// The adapter was pulled out. What was driven coasts.
+    /// The adapter was pulled out. What was driven may keep turning.
     AdapterLost {
         /// Which motors were driven then.
         driven: Vec<MotorId>,

@@ -23,7 +23,7 @@ const ID_QUERY: [u8; 9] = [0xC8, DRIVE, 0, 0, 0, 0, 0, 0, 0];
 pub enum Request {
     /// `ID 64 hi lo 00 00 accel brake 00 CRC`: do this, and answer in [`Layout::Drive`].
     ///
-    /// It does not latch: the wheel coasts when such frames stop.
+    /// Many motors keep it for ever when frames cease.
     Drive {
         /// Who.
         id: MotorId,

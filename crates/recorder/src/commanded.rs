@@ -5,8 +5,7 @@ use std::time::Duration;
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_protocol::{Current, Frame, Instant, Mode, OpenLoopTarget, Position, Request, Rpm};
 
-/// How long a drive frame counts as the command. It does not latch, so that the wheel coasts when such frames
-/// stop. At the lowest command rate, 1 Hz, the next one comes after a second; the rest is for a delayed line.
+/// How long a drive frame counts as the command of the host, whatever the motor does when frames cease. At the lowest command rate, 1 Hz, the next one comes after a second; the rest is for a delayed line.
 const COUNTS_FOR: Duration = Duration::from_millis(1_500);
 
 /// Second byte of a drive frame.

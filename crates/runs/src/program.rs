@@ -20,7 +20,7 @@ use crate::{
     report::Report,
 };
 
-/// Fewer drive frames a second and a motor lets its wheel coast.
+/// Drive frames a second, at least: some motors end a command that is not repeated at this rate.
 const RATE_MIN_HZ: u16 = 50;
 
 /// The runs: at most one is armed, running or paused.

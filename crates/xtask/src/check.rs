@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use anyhow::Result;
 
 use crate::cargo;
+use crate::claims;
 use crate::invariants;
 use crate::layers;
 use crate::process;
@@ -51,6 +52,13 @@ pub static SUITE: Suite = Suite(&[
         needs: &[],
         on_request: false,
         run: invariants::check,
+    },
+    Step {
+        name: "claims",
+        about: "no text says that a wheel coasts because frames cease",
+        needs: &[],
+        on_request: false,
+        run: claims::check,
     },
     Step {
         name: "dependencies",

@@ -8,6 +8,7 @@ mod bindgen;
 mod browser;
 mod cargo;
 mod check;
+mod claims;
 mod command_line;
 mod content_hash;
 mod experiments;

@@ -83,9 +83,9 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
         </p>
         <div class="button-row five">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
-            {stop_and_start(drive, MODE, tr!("Brakes to a standstill, then coasts"), start_blocked_by)}
+            {stop_and_start(drive, MODE, tr!("Brakes to a standstill: the last frame is a brake"), start_blocked_by)}
         </div>
     };
-    let hint = tr!("Stop brakes the wheel to a standstill, then lets it coast.");
+    let hint = tr!("Stop brakes the wheel to a standstill. The last frame is a brake.");
     loop_panel(drive, MODE, start_blocked_by, hint.to_owned().into(), body)
 }

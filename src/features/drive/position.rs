@@ -92,11 +92,9 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
     };
     let hint = Signal::derive(move || {
         let words = if holds.get() {
-            tr!("Stop holds the present angle. STOP brakes, then lets the wheel coast.")
+            tr!("Stop holds the present angle. STOP brakes the wheel to a standstill.")
         } else {
-            tr!(
-                "Stop and STOP brake the wheel, then let it coast: this model cannot hold an angle."
-            )
+            tr!("Stop and STOP brake the wheel to a standstill: this model cannot hold an angle.")
         };
         words.to_owned()
     });

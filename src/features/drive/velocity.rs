@@ -128,7 +128,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             <PressButton
                 label=tr!("Stop")
                 class="button halt"
-                hint=tr!("Brakes to a standstill, then coasts")
+                hint=tr!("Brakes to a standstill: the last frame is a brake")
                 disabled_reason=halt_blocked_by
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />

@@ -91,7 +91,7 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                     <PressButton
                         label=tr!("Stop group")
                         class="button halt"
-                        hint=tr!("Brakes the group to a standstill, then coasts")
+                        hint=tr!("Brakes the group to a standstill: the last frames are brakes")
                         disabled_reason=halt_blocked_by
                         on_press=move || groups.stop_together()
                     />

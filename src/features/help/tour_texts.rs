@@ -56,7 +56,10 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
             tr!("Select the adapter in the browser's list, or use the virtual motor.")
         }
         Step::Answer => return tr!("Waiting for motor {id}. Is its supply on?", id),
-        Step::Free => tr!("2 N·m direct drive: fasten the motor, lift the wheel, then tick."),
+        Step::Free => tr!(
+            "2 N·m direct drive: fasten the motor, lift the wheel, then tick. If the cable or the \
+             computer fails, the wheel may keep turning: only the power switch stops it then."
+        ),
         Step::Spin => tr!("The button starts the wheel. Space stops it."),
         Step::Stop => tr!("The wheel is turning. Stop it here, with STOP or with Space."),
         Step::Done => tr!("Next: set a target speed and press Start."),

@@ -26,8 +26,8 @@ pub(crate) fn advice() -> NoticeText {
             Tone::Calm,
             tr!("Install MotorLink for long runs"),
             &[tr!(
-                "The browser may discard a tab that stays hidden for long; the wheels then coast. \
-                 It never discards an installed app."
+                "The browser may discard a tab that stays hidden for long; a running wheel may then keep \
+                 turning. It never discards an installed app."
             )],
         )
     }

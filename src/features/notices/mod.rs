@@ -148,10 +148,11 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
             ),
             tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
             tr!("3. Keep fingers clear of the wheel and press +50."),
+            power_switch(),
         ],
         Connection::Connecting => &[tr!("Opening the port.")],
         Connection::Reconnecting(_) => &[tr!(
-            "Plug the adapter back in. No motor runs until you press Start."
+            "Plug the adapter back in. No motor starts until you press Start."
         )],
         Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
@@ -160,6 +161,14 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
         Connection::Connected(_) => return vec![next_with_motor(session, id)],
     };
     steps.iter().map(|step| (*step).to_owned()).collect()
+}
+
+/// What nothing on this page can do: said before anything is driven.
+fn power_switch() -> &'static str {
+    tr!(
+        "If the cable or the computer fails, the wheel may keep turning. Only the power switch \
+         stops it then."
+    )
 }
 
 fn next_with_motor(session: &Session, id: MotorId) -> String {
@@ -222,6 +231,8 @@ mod tests {
         session.motors.clear();
         assert!(next_steps(&session, ID)[0].contains("Waiting"));
         session.connection = Connection::Disconnected;
-        assert_eq!(next_steps(&session, ID).len(), 3);
+        let first = next_steps(&session, ID);
+        assert_eq!(first.len(), 4);
+        assert!(first[3].contains("Only the power switch"), "{first:?}");
     }
 }

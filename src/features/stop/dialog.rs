@@ -91,7 +91,7 @@ fn table_row(line: StopLine) -> String {
         Standstill::Braking => ("", tr!("braking")),
         Standstill::NotConfirmed => ("bad", tr!("not confirmed")),
         Standstill::NotDriven => ("good", tr!("not running")),
-        Standstill::Turning => ("", tr!("turning freely")),
+        Standstill::Turning => ("", tr!("turning")),
     };
     let speed = line
         .speed_rpm
@@ -211,7 +211,7 @@ mod tests {
     fn a_wheel_that_turns_after_its_stop_is_not_called_stopped() {
         for confirmed in [Some(true), None] {
             let row = table_row(line(Activity::Idle, confirmed, 1_000));
-            assert!(row.contains("turning freely"), "{row}");
+            assert!(row.contains("turning"), "{row}");
             // An old speed says nothing about now.
             let row = table_row(line(Activity::Idle, confirmed, 1_600));
             assert!(!row.contains("turning"), "{row}");
