@@ -243,6 +243,9 @@ impl Bus {
         self.call_due = self.call_due.max(now);
         if late > LATE {
             self.late.count(now);
+            for motor in &mut self.motors {
+                motor.called_late(late);
+            }
         }
         if late < LATE_CALL {
             return;

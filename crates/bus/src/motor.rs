@@ -10,7 +10,7 @@ use motorlink_protocol::{
 use crate::{
     angle_estimate::{AngleEstimate, Hold},
     angle_filter::AngleFilter,
-    counters::{Counters, LossMeter},
+    counters::{Counters, LossMeter, MissedRounds},
     late_replies::LateReplies,
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
@@ -123,6 +123,8 @@ pub(crate) struct Motor {
     /// Queries since it fell silent, while other motors are driven.
     silent_queries: u32,
     pub(crate) counters: Counters,
+    pub(crate) missed_drives: MissedRounds,
+    pub(crate) missed_queries: MissedRounds,
     pub(crate) round_trip: RoundTrip,
     pub(crate) loss: LossMeter,
     pub(crate) drive_frames: RateMeter,
@@ -159,6 +161,8 @@ impl Motor {
             next_query: now,
             silent_queries: 0,
             counters: Counters::default(),
+            missed_drives: MissedRounds::default(),
+            missed_queries: MissedRounds::default(),
             round_trip: RoundTrip::new(),
             loss: LossMeter::default(),
             drive_frames: RateMeter::default(),
@@ -343,6 +347,28 @@ impl Motor {
             SILENT_QUERY_PERIOD
         };
         // On schedule, but a missed schedule is not caught up by a burst.
-        self.next_query = (self.next_query + period).max(now + period / 2);
+        let next = self.next_query + period;
+        let behind = now.since(self.next_query);
+        self.next_query = next.max(now + period / 2);
+        let dropped = self.next_query.since(next);
+        self.counters.not_asked += self.missed_queries.sent(behind, dropped, period);
+    }
+
+    /// A drive frame went out; `before` is its schedule without it.
+    pub(crate) fn drive_sent(&mut self, now: Instant, before: Control, period: Duration) {
+        self.drive_frames.count(now);
+        if let (Control::Driven(before), Control::Driven(driven)) = (before, self.control) {
+            let behind = now.since(before.on_schedule);
+            let dropped = driven
+                .on_schedule
+                .since(before.on_schedule.min(now) + period);
+            self.counters.not_asked += self.missed_drives.sent(behind, dropped, period);
+        }
+    }
+
+    /// A call of the bus came so late.
+    pub(crate) fn called_late(&mut self, by: Duration) {
+        self.missed_drives.called_late(by);
+        self.missed_queries.called_late(by);
     }
 }

@@ -65,6 +65,7 @@ impl Bus {
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
+                motor.loss.answered_late();
                 motor.late.late_reply();
                 let Reading::Combined(reply) = reading else {
                     // Of unknown age: it may name the loop before a switch.

@@ -234,7 +234,9 @@ impl Bus {
                 let is_query = matches!(sent, Sent::Query(_));
                 let mut stops_silent = None;
                 let mut drives = false;
+                let period = self.settings.rate.period();
                 let motor = self.watch(now, id);
+                let before = motor.control;
                 let is_first =
                     matches!(motor.control, Control::Stopping(stop) if !stop.first_frame_sent);
                 motor.control = control;
@@ -251,7 +253,7 @@ impl Bus {
                     }
                     Sent::Drive(setpoint) => {
                         drives = setpoint.is_some_and(|setpoint| !is_rest(setpoint));
-                        motor.drive_frames.count(now);
+                        motor.drive_sent(now, before, period);
                         match setpoint {
                             Some(Setpoint::Current(current)) => motor.torque.sent(current),
                             Some(Setpoint::OpenLoop(target)) => {

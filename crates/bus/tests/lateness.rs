@@ -5,8 +5,9 @@ mod fixture;
 
 use std::time::Duration;
 
-use fixture::{Fixture, ID, ms, rpm};
-use motorlink_simulator::WorldConfig;
+use fixture::{Fixture, ID, id, ms, rpm};
+use motorlink_bus::{BusSettings, Command, CommandRate};
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 fn late_hz(fixture: &Fixture) -> u16 {
     fixture.bus.line_status(fixture.now).late_hz
@@ -58,4 +59,74 @@ fn a_motor_that_is_slow_to_answer_is_not_late() {
     fixture.drive(rpm(100)).unwrap();
     fixture.run(ms(1_000));
     assert_eq!(late_hz(&fixture), 0);
+}
+
+/// Runs for five seconds on a machine that stalls for 30 ms twelve times a second.
+fn overloaded(fixture: &mut Fixture) {
+    for _ in 0..60 {
+        fixture.run(ms(53));
+        fixture.sleep(ms(30));
+    }
+}
+
+#[test]
+fn a_reply_that_the_computer_takes_late_is_late_and_not_lost() {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    overloaded(&mut fixture);
+    let status = fixture.status(ID);
+    let (late, lost) = (status.counters.late, status.counters.lost());
+    assert!(late > 0, "{:?}", status.counters);
+    assert_eq!(lost, 0, "{:?}", status.counters);
+    assert_eq!(status.link.loss_per_mille, Some(0), "{:?}", status.link);
+    assert!(status.link.late_per_mille > Some(0), "{:?}", status.link);
+}
+
+#[test]
+fn a_reply_that_the_line_loses_is_lost_and_not_late() {
+    let mut fixture = Fixture::one_motor();
+    fixture.world.set_faults(WireFaults {
+        lose_reply: 0.1,
+        ..WireFaults::default()
+    });
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(5_000));
+    let status = fixture.status(ID);
+    let (late, lost) = (status.counters.late, status.counters.lost());
+    assert!(late == 0 && lost > 15, "{:?}", status.counters);
+    assert_eq!(status.counters.not_asked, 0);
+    assert_eq!(status.link.late_per_mille, Some(0), "{:?}", status.link);
+}
+
+#[test]
+fn rounds_that_the_computer_was_too_late_for_are_not_asked() {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    fixture.forget_the_past();
+    fixture.sleep(ms(300));
+    fixture.run(ms(1_000));
+    // Of 65 drive frames and 13 queries; what the bus catches up was asked.
+    let asked = fixture.sent.len() as u64;
+    let counters = fixture.status(ID).counters;
+    assert!(
+        (76..=79).contains(&(asked + counters.not_asked)),
+        "{asked} asked, {counters:?}"
+    );
+    fixture.run(ms(1_000));
+    assert_eq!(fixture.status(ID).counters.not_asked, counters.not_asked);
+}
+
+#[test]
+fn a_line_that_is_too_slow_for_the_rate_blames_no_computer() {
+    let mut fixture = Fixture::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
+    fixture
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(500).unwrap(),
+            ..BusSettings::default()
+        }))
+        .unwrap();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(2_000));
+    assert_eq!(fixture.status(ID).counters.not_asked, 0);
 }

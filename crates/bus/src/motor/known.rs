@@ -139,6 +139,7 @@ impl Motor {
                 command_hz: self.drive_frames.hertz(now),
                 round_trip_us: self.round_trip.median_us(),
                 loss_per_mille: self.loss.per_mille(),
+                late_per_mille: self.loss.late_per_mille(),
             },
             counters: self.counters,
         }
