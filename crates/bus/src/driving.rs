@@ -74,6 +74,7 @@ impl Bus {
                     check_drive(model, id, setpoint, consent, limits, known)?;
                 }
                 // A command takes effect at once, at any command rate.
+                driven.end_silence(now);
                 *driven = Driven {
                     goal: setpoint,
                     hold: None,

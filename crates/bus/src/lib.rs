@@ -73,6 +73,7 @@ mod torque;
 mod turning_unasked;
 mod watchdog;
 mod window_end;
+mod withheld;
 
 pub use bus::{Bus, Output};
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
@@ -101,3 +102,4 @@ pub use settings::BusSettings;
 pub use timing::{
     FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
 };
+pub use withheld::{WITHHELD_MAX, Withheld};

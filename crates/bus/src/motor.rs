@@ -26,6 +26,7 @@ use crate::{
     },
     torque::Torque,
     turning_unasked::TurningUnasked,
+    withheld::Silence,
 };
 
 mod known;
@@ -56,6 +57,8 @@ pub(crate) struct Driven {
     pub(crate) group: Option<u32>,
     /// The speed that was sent last.
     pub(crate) ramped: Ramped,
+    /// The time without drive frames, until the next one is sent.
+    pub(crate) silence: Option<Silence>,
 }
 
 impl Driven {
@@ -69,6 +72,7 @@ impl Driven {
             hold: None,
             group: None,
             ramped: Ramped::from(now, speed),
+            silence: None,
         }
     }
 }

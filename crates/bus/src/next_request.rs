@@ -94,6 +94,8 @@ pub(crate) fn next_request(
                 next_frame,
                 on_schedule,
                 ramped,
+                since: driven.silent_from(),
+                silence: None,
                 ..driven
             });
             (
@@ -130,7 +132,18 @@ pub(crate) fn next_request(
             }
             (Request::ModeQuery { id }, control, Sent::Query(context))
         }
-        (control, _) => (motor.next_query(), control, Sent::Query(context)),
+        (control, _) => {
+            let query_period = if motor.is_withheld(now) {
+                period
+            } else {
+                context.query_period
+            };
+            let context = SendContext {
+                query_period,
+                ..context
+            };
+            (motor.next_query(), control, Sent::Query(context))
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::{
     probe::Probe,
     stop::Stopping,
     timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
+    withheld::unasked_until,
 };
 
 /// When the next frame goes out.
@@ -109,7 +110,7 @@ pub(crate) fn next_turn(
     })
     .map(|(at, id)| (at, DueFrame::Switch(id)));
     let drive = earliest(motors, |motor| match &motor.control {
-        Control::Driven(driven) => Some(driven.next_frame),
+        Control::Driven(driven) => Some(driven.frame_due()),
         Control::Switching(switch) => switch
             .neutral_drive
             .map(|neutral_drive| neutral_drive.next_frame),
@@ -202,6 +203,7 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
 }
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
+    let unasked_until = unasked_until(motors);
     earliest(motors, |motor| {
         // A stop queries the motor by itself.
         if let Control::Stopping(_) = motor.control {
@@ -212,7 +214,8 @@ fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
             .late
             .drive_expected_until()
             .unwrap_or(motor.next_query);
-        Some(motor.next_query.max(clear_at.min(patience)))
+        let at = motor.next_query.max(clear_at.min(patience));
+        Some(unasked_until.map_or(at, |until| until.max(at)))
     })
 }
 

@@ -116,7 +116,7 @@ impl Bus {
             // With fewer unanswered requests, the end of a reply window comes first and wakes the
             // bus.
             Control::Driven(driven) => (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX)
-                .then(|| motor.silent_since().max(driven.since) + DRIVEN_SILENCE_MAX),
+                .then(|| motor.silent_since().max(driven.silent_from()) + DRIVEN_SILENCE_MAX),
             Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
             // After its window it only waits for the other motors of the stop.
             Control::Stopping(stop) => (!stop.is_over(now)).then(|| stop.window_ends()),

@@ -100,6 +100,7 @@ impl Bus {
             if let Some(driven) = self.motor_mut(id).and_then(Motor::driven_mut) {
                 // On a full line, a motor that has waited longer comes first.
                 driven.next_frame = next_frame.min(now);
+                driven.end_silence(now);
             }
         }
         Ok(())

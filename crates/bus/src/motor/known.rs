@@ -109,7 +109,7 @@ impl Motor {
 
     /// How long a driven motor has been silent, from the command at the earliest.
     pub(crate) fn silence_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
-        now.since(self.silent_since().max(driven.since))
+        now.since(self.silent_since().max(driven.silent_from()))
     }
 
     pub(crate) fn activity(&self) -> Activity {
