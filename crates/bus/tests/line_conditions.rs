@@ -5,7 +5,7 @@ mod fixture;
 
 use fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Activity, Command};
-use motorlink_simulator::LineCondition;
+use motorlink_simulator::{LineCondition, WhenSilent};
 
 /// What the worker does when the operator chooses two motors with one ID: the brake is the next
 /// frame that the second motor receives.
@@ -30,11 +30,12 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
     }
 }
 
-/// No condition starts a wheel that stands or whose setpoint was withdrawn.
+/// No condition starts a wheel that stands, or whose setpoint was withdrawn.
 #[test]
 fn no_line_starts_a_wheel() {
     for case in LineCondition::ALL {
-        let mut fixture = Fixture::one_motor();
+        // Its firmware coasts, so that the wheel stands when the line is back: this is about a wheel that stands.
+        let mut fixture = Fixture::one_motor_when_silent(WhenSilent::CoastAfter(WhenSilent::AFTER));
         fixture.drive(rpm(100)).unwrap();
         fixture.run(ms(500));
         fixture

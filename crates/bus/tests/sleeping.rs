@@ -122,11 +122,10 @@ fn every_way_to_drive_ends_by_a_gap() {
         fixture.run(ms(2_000));
         assert_eq!(fixture.activity(), Activity::Idle, "{mode:?}");
         assert_eq!(stop_reason(&fixture), Some(StopReason::ComputerSlept));
-        let after = fixture.world.motor(ID).unwrap().turns();
-        assert!(
-            (after - before).abs() < 0.01,
-            "{mode:?}: {before} to {after}"
-        );
+        // It was driven all along: what it turns now is its braking distance.
+        let turns = (fixture.world.motor(ID).unwrap().turns() - before).abs();
+        assert!(turns < 0.5, "{mode:?}: {turns} turns");
+        assert!(fixture.true_rpm().abs() < 1.0, "{mode:?}");
     }
 }
 

@@ -9,9 +9,56 @@ use motorlink_protocol::{
 
 use crate::wire::WireFaults;
 
-/// How long a drive frame is obeyed. Of a DDSM315 longer: a client stops it by frames 300 ms apart, so it must obey each
-/// that long.
-const LATCH: Duration = Duration::from_millis(100);
+/// What a motor does when drive frames cease.
+///
+/// The sources disagree, and firmware differs: `motor.md`, "When frames cease". Waveshare's DDSM115 and DDSM210 keep their
+/// last command, the article on the M0601 says that one command does not sustain motion, and of the others nothing is
+/// known. So the dangerous case is the default of every model, and a host must be safe with all three.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WhenSilent {
+    /// The last drive frame stays in force: a speed, a current, an angle, a voltage, and a brake too.
+    #[default]
+    Keep,
+    /// After this time without a drive frame the windings are open, and the wheel coasts.
+    CoastAfter(Duration),
+    /// After this time without a drive frame the windings are shorted, until the next drive frame.
+    BrakeAfter(Duration),
+}
+
+impl WhenSilent {
+    /// The time of firmware that coasts or brakes. A guess: five missed frames at 50 Hz. No figure is published.
+    pub const AFTER: Duration = Duration::from_millis(100);
+    /// The three behaviours, with the guessed time.
+    pub const ALL: [Self; 3] = [
+        Self::Keep,
+        Self::CoastAfter(Self::AFTER),
+        Self::BrakeAfter(Self::AFTER),
+    ];
+
+    /// `keep`, `coast` or `brake`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Keep => "keep",
+            Self::CoastAfter(_) => "coast",
+            Self::BrakeAfter(_) => "brake",
+        }
+    }
+
+    /// The behaviour of this name, with the guessed time.
+    #[must_use]
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.name() == name)
+    }
+
+    /// Whether a drive frame of this age is not in force any more.
+    pub(crate) fn ends(self, age: Duration) -> bool {
+        match self {
+            Self::Keep => false,
+            Self::CoastAfter(after) | Self::BrakeAfter(after) => age > after,
+        }
+    }
+}
 
 /// Initial state of a motor.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,13 +76,8 @@ pub struct MotorConfig {
     pub supply_v: f32,
     /// A load that opposes motion, in N.m. Default 0.
     pub load_nm: f32,
-    /// How long a drive frame is obeyed. Default 100 ms, which is a guess: the maker only says that
-    /// a drive frame does not latch and asks for 50 Hz or more, so five missed frames are taken as
-    /// too many. Real motors are reported to coast sooner; no figure is published. The captures do
-    /// not show it: their drive frames are 44 to 62 ms apart at a steady 99 to 100 rpm, and a
-    /// coasting wheel loses only some 20 rpm per second. A host must not rely on more than one
-    /// period of 50 Hz.
-    pub latch: Duration,
+    /// What it does when drive frames cease. Default: it keeps its last command.
+    pub when_silent: WhenSilent,
     /// Mode switch frames for the same mode before it is taken. Default 1; hosts are told to send
     /// five, so any number up to 5 is plausible. Drive frames in between do not matter.
     pub mode_switch_frames: u8,
@@ -72,10 +114,6 @@ impl MotorConfig {
         Self {
             model,
             set_id_frames: model.spec().set_id_frames,
-            latch: model
-                .spec()
-                .stop_period_min
-                .map_or(LATCH, |period| period + LATCH),
             ..Self::new(id)
         }
     }
@@ -90,7 +128,7 @@ impl Default for MotorConfig {
             ambient_c: 28.0,
             supply_v: 18.0,
             load_nm: 0.0,
-            latch: LATCH,
+            when_silent: WhenSilent::Keep,
             mode_switch_frames: 1,
             set_id_frames: 5,
             obeys_all: false,

@@ -44,7 +44,7 @@ mod wire;
 mod wire_frame;
 mod world;
 
-pub use config::{MotorConfig, WorldConfig};
+pub use config::{MotorConfig, WhenSilent, WorldConfig};
 pub use line_condition::LineCondition;
 pub use motor::VirtualMotor;
 pub use wire::{Chunk, Echo, Split, WireFaults};

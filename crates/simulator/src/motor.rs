@@ -102,11 +102,10 @@ impl VirtualMotor {
         self.firmware().map_or(Faults::NONE, Firmware::faults)
     }
 
-    /// Whether a drive frame was received within the latch time, obeyed or not.
+    /// Whether it obeys a drive frame that is no brake.
     #[must_use]
     pub fn is_driven(&self) -> bool {
-        self.firmware()
-            .is_some_and(|firmware| firmware.is_driven(self.now))
+        self.firmware().is_some_and(Firmware::is_driven)
     }
 
     /// The last drive frame that it received, obeyed or not, with its time.

@@ -188,6 +188,8 @@ fn acceleration_does_not_soften_a_stop() {
 #[test]
 fn a_coasting_wheel_takes_more_than_6_s() {
     let mut fixture = at_120_rpm();
+    // 0 A: the windings are open.
+    fixture.switch(Mode::Current);
     let start = fixture.now;
     while fixture.motor().speed_rpm() != 0.0 {
         fixture.wait(ms(10));

@@ -1,4 +1,4 @@
-//! What the controller does with frames: modes, latch, brake, IDs, and the two reply layouts.
+//! What the controller does with frames: modes, silence, brake, IDs, and the two reply layouts.
 #![cfg(test)]
 
 mod fixture;
@@ -7,9 +7,19 @@ use fixture::{
     Fixture, LAYOUTS, ONE, angle, current, fine_degrees, id, ms, query_detail, speed, us,
 };
 use motorlink_protocol::{
-    AssignableId, Drive, Faults, Frame, Layout, Mode, Position, Request, Setpoint,
+    AssignableId, Drive, Faults, Frame, Layout, Mode, Position, Request, Setpoint, family::Model,
 };
-use motorlink_simulator::{MotorConfig, WorldConfig};
+use motorlink_simulator::{MotorConfig, WhenSilent, WorldConfig};
+
+fn fixture_of(when_silent: WhenSilent) -> Fixture {
+    Fixture::new(WorldConfig {
+        motors: vec![MotorConfig {
+            when_silent,
+            ..MotorConfig::default()
+        }],
+        ..WorldConfig::default()
+    })
+}
 
 /// Captures: `C8 64 ..` is answered with mode 2 after power-up.
 #[test]
@@ -150,10 +160,59 @@ fn a_set_id_frame_with_values_in_reserved_bytes_changes_nothing() {
     assert_eq!(fixture.motor().id(), ONE);
 }
 
-/// motor.md: a drive command does not latch.
+/// motor.md, "When frames cease": DDSM115 and DDSM210 keep their last command, and of the others it is assumed.
 #[test]
-fn without_drive_frames_the_wheel_coasts() {
+fn without_drive_frames_every_model_keeps_its_speed() {
+    for model in Model::ALL {
+        assert_eq!(MotorConfig::of(model, ONE).when_silent, WhenSilent::Keep);
+    }
     let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(100), ms(1000));
+    fixture.wait(ms(60_000));
+    assert!(fixture.motor().is_driven());
+    let rpm = fixture.motor().speed_rpm();
+    assert!((97.0..103.0).contains(&rpm), "{rpm} rpm");
+}
+
+#[test]
+fn without_drive_frames_a_motor_that_keeps_its_command_keeps_a_current_and_an_angle() {
+    let mut fixture = Fixture::with_one_motor();
+    fixture.switch(Mode::Current);
+    fixture.drive(current(0.3));
+    fixture.wait(ms(2_000));
+    let rpm = fixture.motor().speed_rpm();
+    assert!(rpm > 150.0, "{rpm} rpm");
+    let mut fixture = Fixture::with_one_motor();
+    fixture.switch(Mode::Position);
+    fixture.drive(angle(170.0));
+    fixture.wait(ms(3_000));
+    let degrees = fixture.motor().angle_deg();
+    assert!((169.0..171.0).contains(&degrees), "{degrees} degrees");
+    fixture.motor_mut().set_push_nm(0.3);
+    fixture.wait(ms(3_000));
+    let degrees = fixture.motor().angle_deg();
+    assert!(
+        (169.0..171.0).contains(&degrees),
+        "pushed to {degrees} degrees"
+    );
+}
+
+#[test]
+fn what_a_motor_keeps_ends_with_its_power_and_with_its_loop() {
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(100), ms(1000));
+    fixture.switch(Mode::Current);
+    assert_eq!(fixture.motor().obeyed(), None);
+    fixture.switch(Mode::Velocity);
+    fixture.drive_for(speed(100), ms(1000));
+    fixture.motor_mut().power(false);
+    fixture.motor_mut().power(true);
+    assert_eq!(fixture.motor().obeyed(), None);
+}
+
+#[test]
+fn without_drive_frames_the_wheel_of_firmware_that_coasts_coasts() {
+    let mut fixture = fixture_of(WhenSilent::CoastAfter(WhenSilent::AFTER));
     fixture.drive_for(speed(100), ms(1000));
     assert!(fixture.motor().is_driven());
     fixture.wait(ms(200));
@@ -165,8 +224,30 @@ fn without_drive_frames_the_wheel_coasts() {
 }
 
 #[test]
-fn queries_alone_do_not_keep_a_motor_driven() {
-    let mut fixture = Fixture::with_one_motor();
+fn without_drive_frames_the_wheel_of_firmware_that_brakes_is_braked_until_the_next() {
+    let mut fixture = fixture_of(WhenSilent::BrakeAfter(WhenSilent::AFTER));
+    fixture.switch(Mode::Current);
+    fixture.drive_for(current(0.1), ms(500));
+    assert!(fixture.motor().speed_rpm() > 50.0);
+    fixture.wait(ms(600));
+    assert!(!fixture.motor().is_driven());
+    let rpm = fixture.motor().speed_rpm();
+    assert!(rpm.abs() < 1.0, "{rpm} rpm");
+    fixture.motor_mut().set_push_nm(0.3);
+    fixture.wait(ms(2_000));
+    let torque_nm = fixture.motor().torque_nm();
+    assert!(
+        torque_nm < -0.2,
+        "the windings are shorted: {torque_nm} N.m"
+    );
+    fixture.motor_mut().set_push_nm(0.0);
+    fixture.drive_for(current(0.1), ms(500));
+    assert!(fixture.motor().is_driven());
+}
+
+#[test]
+fn queries_alone_do_not_keep_a_motor_driven_that_coasts() {
+    let mut fixture = fixture_of(WhenSilent::CoastAfter(WhenSilent::AFTER));
     fixture.drive_for(speed(100), ms(1000));
     for _ in 0..30 {
         fixture.query();
@@ -174,18 +255,23 @@ fn queries_alone_do_not_keep_a_motor_driven() {
     assert!(!fixture.motor().is_driven());
 }
 
-/// motor.md: the brake needs frames to keep coming.
+/// Not known of any motor (motor.md); firmware that keeps a speed is assumed to keep a brake.
 #[test]
-fn a_brake_without_frames_lets_go() {
-    let mut fixture = Fixture::with_one_motor();
-    fixture.drive_for(speed(120), ms(1500));
-    fixture.drive_for(Setpoint::Brake, ms(20));
-    fixture.wait(ms(1000));
-    let rpm = fixture.motor().speed_rpm();
-    assert!(
-        (2.0..20.0).contains(&rpm),
-        "braked for 120 ms, then coasted: {rpm} rpm"
-    );
+fn without_frames_a_brake_holds_or_lets_go_by_firmware() {
+    let rpm_after = |when_silent| {
+        let mut fixture = fixture_of(when_silent);
+        fixture.drive_for(speed(120), ms(1500));
+        fixture.drive_for(Setpoint::Brake, ms(20));
+        assert!(!fixture.motor().is_driven());
+        fixture.wait(ms(1000));
+        fixture.motor().speed_rpm()
+    };
+    for when_silent in WhenSilent::ALL {
+        let rpm = rpm_after(when_silent);
+        let coasts = matches!(when_silent, WhenSilent::CoastAfter(_));
+        let expected = if coasts { 2.0..20.0 } else { -0.1..0.1 };
+        assert!(expected.contains(&rpm), "{when_silent:?}: {rpm} rpm");
+    }
 }
 
 /// motor.md: 0xFF brakes, any other value does nothing.
@@ -389,9 +475,8 @@ fn the_layout_follows_the_request_and_not_the_mode() {
 #[test]
 fn a_free_wheel_runs_as_far_as_its_momentum_was_said_to_carry_it() {
     for rpm in [3, 40, 200] {
-        let mut fixture = Fixture::with_one_motor();
+        let mut fixture = fixture_of(WhenSilent::CoastAfter(WhenSilent::AFTER));
         fixture.drive_for(speed(rpm), ms(3_000));
-        // The latch is over.
         fixture.wait(ms(101));
         assert_eq!(fixture.motor().obeyed(), None);
         let from = fixture.motor().turns();
@@ -406,12 +491,12 @@ fn a_free_wheel_runs_as_far_as_its_momentum_was_said_to_carry_it() {
 
 #[test]
 fn the_last_drive_frame_is_known_by_whether_it_is_obeyed() {
-    let mut fixture = Fixture::with_one_motor();
+    let mut fixture = fixture_of(WhenSilent::CoastAfter(WhenSilent::AFTER));
     fixture.drive(speed(7));
     let (received, drive) = fixture.motor().obeyed().expect("it was heard");
     assert_eq!(drive.signed(), 7);
     fixture.wait(ms(150));
-    assert_eq!(fixture.motor().obeyed(), None, "it does not latch");
+    assert_eq!(fixture.motor().obeyed(), None, "it coasts");
     assert_eq!(fixture.motor().last_drive(), Some((received, drive)));
 }
 

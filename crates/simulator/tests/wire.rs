@@ -4,7 +4,7 @@
 mod fixture;
 
 use fixture::{Fixture, ONE, id, ms, speed, us};
-use motorlink_protocol::{Frame, Instant, Layout, Reply, Request};
+use motorlink_protocol::{Frame, Instant, Layout, Reply, Request, Setpoint};
 use motorlink_simulator::{MotorConfig, Sender, WireFrame, WorldConfig};
 
 /// 868 us for ten bytes, 600 us turnaround, 868 us for the reply (motor.md).
@@ -197,6 +197,8 @@ fn time_that_goes_back_counts_as_the_latest() {
 fn a_day_at_rest_passes_at_once() {
     let mut fixture = Fixture::with_one_motor();
     fixture.drive_for(speed(100), ms(1000));
+    // As a host leaves it: braked.
+    fixture.drive_for(Setpoint::Brake, ms(1000));
     let began = std::time::Instant::now();
     fixture.wait(ms(24 * 3_600_000));
     assert!(began.elapsed() < ms(2000), "{:?}", began.elapsed());

@@ -4,7 +4,7 @@ use std::{ops::RangeInclusive, path::PathBuf, time::Duration};
 
 use clap::{Parser, error::ErrorKind};
 use motorlink_protocol::{MotorId, family::Model};
-use motorlink_simulator::{Echo, MotorConfig, Split, WireFaults, WorldConfig};
+use motorlink_simulator::{Echo, MotorConfig, Split, WhenSilent, WireFaults, WorldConfig};
 
 use crate::failure::Failure;
 
@@ -40,11 +40,10 @@ struct Flags {
     #[arg(long, default_value_t = 600, value_name = "US",
         value_parser = clap::value_parser!(u64).range(..=DELAY_MAX))]
     turnaround_us: u64,
-    /// How long a drive frame is obeyed, in milliseconds. The default is a guess: real motors are
-    /// reported to coast sooner, and nothing is published
-    #[arg(long, default_value_t = 100, value_name = "MS",
-        value_parser = clap::value_parser!(u64).range(1..=DELAY_MAX / 1000))]
-    latch_ms: u64,
+    /// What the motors do when drive frames cease: `keep` their last command for ever, as the maker's own examples rely
+    /// on; `coast` or `brake` after 100 ms, which is a guess
+    #[arg(long, default_value = "keep", value_parser = when_silent, value_name = "keep|coast|brake")]
+    when_silent: WhenSilent,
     /// Load that opposes motion, in N.m
     #[arg(long, default_value = "0", value_name = "N.M", value_parser = load_nm)]
     load_nm: f32,
@@ -145,7 +144,7 @@ impl Flags {
             let plain = MotorConfig::of(self.model, id);
             MotorConfig {
                 load_nm: self.load_nm,
-                latch: Duration::from_millis(self.latch_ms),
+                when_silent: self.when_silent,
                 ambient_c: self.temperature.unwrap_or(plain.ambient_c),
                 set_id_frames: self.set_id_frames,
                 ..plain
@@ -208,6 +207,10 @@ pub(crate) fn celsius(text: &str) -> Result<f32, String> {
         0.0..=200.0,
         "a temperature from 0 to 200 degrees Celsius",
     )
+}
+
+fn when_silent(text: &str) -> Result<WhenSilent, String> {
+    WhenSilent::of_name(text).ok_or_else(|| "expected `keep`, `coast` or `brake`".to_owned())
 }
 
 fn echo(text: &str) -> Result<Echo, String> {

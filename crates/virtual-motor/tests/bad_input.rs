@@ -53,6 +53,10 @@ fn bad_numbers() {
     refused(&["--turnaround-us", "soon"], "--turnaround-us");
     refused(&["--turnaround-us", "-5"], "-5");
     refused(&["--turnaround-us", "1000001"], "1000000");
+    refused(
+        &["--when-silent", "turn"],
+        "expected `keep`, `coast` or `brake`",
+    );
     refused(&["--set-id-frames", "0"], "--set-id-frames");
     refused(&["--load-nm", "NaN"], "0 to 20 N.m");
     refused(&["--load-nm", "heavy"], "0 to 20 N.m");

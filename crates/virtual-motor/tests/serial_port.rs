@@ -85,16 +85,26 @@ fn commands_change_the_world() {
 }
 
 #[test]
-fn a_drive_frame_is_obeyed_for_as_long_as_the_command_line_says() {
-    for (latch_ms, driven) in [("1", false), ("1000", true)] {
-        let mut program = Program::start(&["--latch-ms", latch_ms]);
-        // The last frame of it is 17 ms old.
-        drive_for(&program.port(), 100, 10);
+fn motors_whose_frames_cease_do_what_the_command_line_says() {
+    let rpm_of = |state: &str| -> f32 {
+        let (_, rest) = state.split_once("rpm=").expect("a speed");
+        let (rpm, _) = rest.split_once(' ').expect("more");
+        rpm.parse().expect("a number")
+    };
+    let cases: [(&[&str], bool, std::ops::Range<f32>); 4] = [
+        (&[], true, 95.0..105.0),
+        (&["--when-silent", "keep"], true, 95.0..105.0),
+        (&["--when-silent", "coast"], false, 50.0..97.0),
+        (&["--when-silent", "brake"], false, -0.1..0.1),
+    ];
+    for (arguments, driven, rpm) in cases {
+        let mut program = Program::start(arguments);
+        drive_for(&program.port(), 100, 50);
+        std::thread::sleep(ms(800));
         let state = program.command("state 1");
-        assert!(
-            state.contains(&format!("driven={driven} ")),
-            "{latch_ms} ms: {state}"
-        );
+        assert!(rpm.contains(&rpm_of(&state)), "{arguments:?}: {state}");
+        let said = format!("driven={driven} ");
+        assert!(state.contains(&said), "{arguments:?}: {state}");
     }
 }
 

@@ -32,6 +32,13 @@ impl Line {
         }
     }
 
+    /// The same bus with motors that `keep` their last command when frames cease, as by default, or that `coast` or
+    /// `brake`.
+    #[must_use]
+    pub fn when_silent(self, behaviour: &str) -> Self {
+        self.with(&["--when-silent", behaviour])
+    }
+
     /// The same bus with further arguments.
     #[must_use]
     pub fn with(mut self, extra: &[&str]) -> Self {

@@ -65,6 +65,11 @@ impl Loops {
         }
     }
 
+    /// Whether no current flows in a standing wheel, for good.
+    pub(crate) const fn are_passive(&self) -> bool {
+        matches!(self, Self::Idle | Self::Brake)
+    }
+
     pub(crate) fn brake(&mut self) -> Bridge {
         *self = Self::Brake;
         Bridge::Short

@@ -16,7 +16,7 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    config::MotorConfig,
+    config::{MotorConfig, WhenSilent},
     physics::{Bridge, Winding},
 };
 use frame_rate::FrameRate;
@@ -35,7 +35,7 @@ const POSITION_MODE_BELOW_RPM: f64 = 10.0;
 /// The first byte of the ID query, which all motors answer.
 const ALL_ADDRESS: u8 = 0xC8;
 
-/// A drive frame that is still obeyed.
+/// A drive frame that is in force.
 #[derive(Clone, Copy, Debug)]
 struct Command {
     drive: Drive,
@@ -55,7 +55,7 @@ pub(crate) struct Firmware {
     set_id: SetIdCount,
     frame_rate: FrameRate,
     protections: Protections,
-    latch: core::time::Duration,
+    when_silent: WhenSilent,
     /// What only a motor with separate frames has.
     separate: Separate,
 }
@@ -75,7 +75,7 @@ impl Firmware {
             set_id: SetIdCount::new(config.set_id_frames),
             frame_rate: FrameRate::default(),
             protections: Protections::default(),
-            latch: config.latch,
+            when_silent: config.when_silent,
             separate: Separate::power_up(config.model, turns),
         }
     }
@@ -92,10 +92,10 @@ impl Firmware {
         self.protections.faults()
     }
 
-    /// Whether a drive frame was received within the latch time before `now`.
-    pub(crate) fn is_driven(&self, now: Instant) -> bool {
-        self.last_drive
-            .is_some_and(|(received, _)| now.since(received) <= self.latch)
+    /// Whether it obeys a drive frame that is no brake.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.command
+            .is_some_and(|command| self.mode != Mode::Velocity || !command.drive.brakes())
     }
 
     /// The last received drive frame, obeyed or not.
@@ -110,9 +110,15 @@ impl Firmware {
             .map(|command| (command.received, command.drive))
     }
 
-    /// Whether the power stage does nothing and no timer runs, so that time may be skipped.
+    /// Whether no timer runs and the power stage does nothing at a standing wheel, so that time may be skipped.
     pub(crate) fn is_idle(&self) -> bool {
-        self.command.is_none() && matches!(self.loops, Loops::Idle) && self.protections.are_idle()
+        let does_nothing = match &self.command {
+            None => true,
+            Some(_) if self.is_driven() => false,
+            // A brake in force, which no time ends.
+            Some(_) => self.when_silent == WhenSilent::Keep,
+        };
+        does_nothing && self.loops.are_passive() && self.protections.are_idle()
     }
 
     /// Ten bytes in combined frames passed on the wire. Gives the layout to answer in, where an answer is
@@ -164,9 +170,7 @@ impl Firmware {
             return;
         }
         self.mode = mode;
-        // The old value means something else in the new loop: nothing is driven until the next frame.
-        self.command = None;
-        self.loops = Loops::Idle;
+        self.forget_command();
     }
 
     /// One step: what the power stage is to do until the next.
@@ -179,13 +183,21 @@ impl Firmware {
     ) -> Bridge {
         let wants_motion = self.command.is_some() && self.loops.want_motion();
         self.protections.update(now, sense, wants_motion);
-        let expired = |command: &Command| now.since(command.received) > self.latch;
-        if !self.protections.faults().is_none() || self.command.as_ref().is_some_and(expired) {
-            self.command = None;
+        if !self.protections.faults().is_none() {
+            self.forget_command();
+        }
+        let ends = |command: Command| self.when_silent.ends(now.since(command.received));
+        if self.command.is_some_and(ends) {
+            self.forget_command();
+            if let WhenSilent::BrakeAfter(_) = self.when_silent {
+                self.loops = Loops::Brake;
+            }
         }
         let Some(Command { drive, .. }) = self.command else {
-            self.loops = Loops::Idle;
-            return Bridge::Open;
+            return match self.loops {
+                Loops::Brake => Bridge::Short,
+                _ => Bridge::Open,
+            };
         };
         match self.mode {
             Mode::OpenLoop => self.loops.open_loop(drive, sense, winding),

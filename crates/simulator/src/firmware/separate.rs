@@ -124,7 +124,7 @@ impl Firmware {
             Request::Drive { drive, .. } => {
                 self.drive(drive, now);
                 if self.active_mode().is_none() {
-                    self.command = None;
+                    self.forget_command();
                 }
             }
             Request::SwitchMode { mode, .. } => self.switch(mode, speed_rpm, turns),
