@@ -41,6 +41,8 @@ const SHORT: &str = r#"{ "motorlink_sequence": 1, "name": "Test", "limits": { "r
     { "rpm": 40, "shape": "chirp", "amplitude": 10, "hz": 1, "to_hz": 5, "for_s": 0.4 },
     { "brake": true, "for_s": 0.1 }] }"#;
 const LONG: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "rpm": 60, "for_s": 50 }] }"#;
+/// To an angle from which zero is a long way.
+const TURN: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "degrees": 211, "for_s": 2 }] }"#;
 const PUSH: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "amps": 0.2, "for_s": 0.5 }] }"#;
 
 fn id(address: u8) -> MotorId {
@@ -111,11 +113,50 @@ impl Drop for Running {
     }
 }
 
-fn rpm(motors: &mut Program, id: u8) -> f32 {
+fn figure(motors: &mut Program, id: u8, name: &str) -> String {
     let state = motors.command(&format!("state {id}"));
     let mut words = state.split_whitespace();
-    let rpm = words.find_map(|word| word.strip_prefix("rpm="));
-    rpm.expect(&state).parse().unwrap()
+    let figure = words.find_map(|word| word.strip_prefix(name));
+    figure.expect(&state).to_owned()
+}
+
+fn rpm(motors: &mut Program, id: u8) -> f32 {
+    figure(motors, id, "rpm=").parse().unwrap()
+}
+
+fn assert_stands_at(motors: &mut Program, id: u8, degrees: f32) {
+    let angle: f32 = figure(motors, id, "angle=").parse().unwrap();
+    assert!(
+        (angle - degrees).abs() < 3.0,
+        "motor {id} at {angle} degrees"
+    );
+    assert!(rpm(motors, id).abs() < 1.0);
+}
+
+fn until_in_loop(motors: &mut Program, id: u8, mode: &str) {
+    let began = Instant::now();
+    while figure(motors, id, "mode=") != mode {
+        assert!(began.elapsed() < PATIENCE, "never in the {mode} loop");
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Starts the program of a sequence.
+fn start(language: &dyn Language, dir: &Path, text: &str, motors: &Program, ids: &str) -> Running {
+    let mut fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
+    // One wheel is on the right side.
+    fleet.mirrored = vec![id(2)];
+    let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet).unwrap();
+    fs::create_dir_all(dir).unwrap();
+    let port = motors.slave.clone();
+    let port_name = port.to_string_lossy().into_owned();
+    let generated = Generated {
+        plan: &plan,
+        name: "Test",
+        port: &port_name,
+    };
+    let command = language.command(dir, &generated, &port);
+    Running::start(command, language.consent())
 }
 
 /// On a busy machine, replies come too late for a program, which then rightly stops. So it gets another
@@ -136,22 +177,7 @@ fn drive_and_stop(language: &dyn Language) {
     let dir = tempfile::tempdir().unwrap();
     let run = |name: &str, text: &str, ids: &str, act: &dyn Fn(&mut Program, &mut Running)| {
         let mut motors = Program::start(&["--ids", ids]);
-        let mut fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
-        // One wheel is on the right side.
-        fleet.mirrored = vec![id(2)];
-        let sequence = Sequence::from_json(text).unwrap();
-        let plan = Plan::new(&sequence, &fleet).unwrap();
-        let dir = dir.path().join(name);
-        fs::create_dir_all(&dir).unwrap();
-        let port = motors.slave.clone();
-        let port_name = port.to_string_lossy().into_owned();
-        let generated = Generated {
-            plan: &plan,
-            name: "Test",
-            port: &port_name,
-        };
-        let command = language.command(&dir, &generated, &port);
-        let mut running = Running::start(command, language.consent());
+        let mut running = start(language, &dir.path().join(name), text, &motors, ids);
         running.until("running");
         act(&mut motors, &mut running);
         for id in ids.split(',') {
@@ -205,6 +231,49 @@ fn drive_and_stop(language: &dyn Language) {
     run("current", PUSH, "1", &|_, running| {
         running.until("finished");
     });
+}
+
+/// A stop pressed while the motors are prepared for the position loop does not turn a wheel to 0 degrees.
+fn stopped_while_preparing(language: &dyn Language) {
+    let dir = tempfile::tempdir().unwrap();
+    let mut motors = Program::start(&["--ids", "1,2"]);
+    let mut running = start(language, &dir.path().join("turn"), TURN, &motors, "1,2");
+    running.until("finished");
+    for id in [1, 2] {
+        assert_stands_at(&mut motors, id, 211.0);
+        assert!(running.said.contains(&format!("motor {id} stands")));
+    }
+    drop(running);
+
+    let mut running = start(language, &dir.path().join("stopped"), TURN, &motors, "1,2");
+    for mode in ["position", "velocity", "position"] {
+        until_in_loop(&mut motors, 1, mode);
+    }
+    running.interrupt();
+    running.until("aborted: stopped by you");
+    let said = running.said.join("\n");
+    assert!(!said.contains("running"), "{said}");
+    for id in [1, 2] {
+        assert!(said.contains(&format!("motor {id} stands")), "{said}");
+        assert_stands_at(&mut motors, id, 211.0);
+        assert_eq!(figure(&mut motors, id, "mode="), "velocity");
+    }
+}
+
+/// The sentence that a person reads before the start, and no promise beside it.
+fn says_what_a_failure_leaves(language: &dyn Language) {
+    let dir = tempfile::tempdir().unwrap();
+    let motors = Program::start(&["--ids", "1"]);
+    drop(start(language, dir.path(), LONG, &motors, "1"));
+    let sources = ["sequence.py", "sequence.cpp", "src/main.rs"];
+    let mut sources = sources
+        .iter()
+        .filter_map(|it| fs::read_to_string(dir.path().join(it)).ok());
+    let source = sources.next().unwrap();
+    assert!(source.contains(
+        "If the cable or the computer fails, the wheel may keep turning. Only the power switch stops it then."
+    ));
+    assert!(!source.contains("coast"));
 }
 
 struct Python(PathBuf);
@@ -290,6 +359,24 @@ impl Language for Rust {
 #[test]
 fn the_python_program_drives_and_stops() {
     drives_and_stops(&Python(tools::python()));
+}
+
+#[test]
+fn the_python_program_stopped_while_it_prepares_turns_no_wheel() {
+    stopped_while_preparing(&Python(tools::python()));
+    says_what_a_failure_leaves(&Python(tools::python()));
+}
+
+#[test]
+fn the_arduino_sketch_stopped_while_it_prepares_turns_no_wheel() {
+    stopped_while_preparing(&Arduino);
+    says_what_a_failure_leaves(&Arduino);
+}
+
+#[test]
+fn the_rust_program_stopped_while_it_prepares_turns_no_wheel() {
+    stopped_while_preparing(&Rust);
+    says_what_a_failure_leaves(&Rust);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Each program asks before it moves anything. It sends setpoints as the runner does, and checks the limits of the
 //! run, faults and silence. At its end, on an error and on Ctrl-C it stops every motor: it switches to the velocity
-//! loop and brakes until each motor reports a standstill.
+//! loop until the motor reports it, and brakes until three replies in a row report a standstill.
 
 mod ros2;
 mod rows;

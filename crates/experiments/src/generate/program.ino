@@ -3,6 +3,7 @@
 // Drives M0601/DDSM115 hub motors over RS485, for an ESP32 with a transceiver.
 // Moves: @WHAT@.
 // THE WHEELS TURN. Fasten the motors first. The power switch is the emergency stop.
+// If the cable or the computer fails, the wheel may keep turning. Only the power switch stops it then.
 // Nothing moves after a reset: send y on the USB serial port to start. Any other character, such as Ctrl-C, stops.
 
 #include <Arduino.h>
@@ -19,8 +20,14 @@ const double LIMIT_RPM = @LIMIT_RPM@, LIMIT_AMPS = @LIMIT_AMPS@, LIMIT_CELSIUS =
 const uint32_t REPLY_MS = 20, OVER_CURRENT_MS = 500, STOP_MS = 3000;
 const double FRESH_S = 0.5;
 const int MISSED_MAX = 10, DEPTH_MAX = 8;
+// Replies in a row without speed and without motion, in the velocity loop, that make a standstill.
+const int STILL_REPLIES = 3;
+const double STILL_DEGREES = 0.3;
+// Mode switches to a motor without replies: it has received five of them then, or receives nothing.
+const int SWITCHES_MAX = 15;
+const uint32_t SWITCH_MS = 20;
 
-enum { CURRENT = 1, VELOCITY = 2, POSITION = 3 };
+enum { UNKNOWN = 0, CURRENT = 1, VELOCITY = 2, POSITION = 3 };
 
 struct Named { uint8_t id, mode; int8_t sign; };
 // Motor ID, its loop, and -1 if it is mounted mirrored: its speed and its current have the opposite sign on the wire.
@@ -57,6 +64,9 @@ struct Motor {
   const Row *row = nullptr;
   uint8_t acceleration = 0;
   bool brakes = false;
+  int switches = 0, still = 0;
+  uint32_t switch_ms = 0;
+  double still_degrees = 0;
 };
 Motor motors[COUNT];
 const char *ended = nullptr;
@@ -124,13 +134,27 @@ bool drive(int m, long raw, uint8_t acceleration, uint8_t brake) {
   return exchange(m, frame);
 }
 
-// Five frames, 20 ms apart, without a reply.
-void switch_mode(int m, uint8_t mode) {
+// It has no reply. Until the next reply the loop is unknown.
+void switch_once(int m, uint8_t mode) {
   uint8_t frame[10] = {MOTORS[m].id, 0xA0, 0, 0, 0, 0, 0, 0, 0, mode};
+  motors[m].mode = UNKNOWN;
+  send(frame);
+}
+
+// Any character on the USB serial port ends the run.
+void listen() {
+  if (!Serial.available()) return;
+  Serial.read();
+  ended = "stopped by you";
+}
+
+// Five frames, 20 ms apart.
+void switch_mode(int m, uint8_t mode) {
   for (int i = 0; i < 5; i++) {
-    send(frame);
-    delay(20);
+    switch_once(m, mode);
+    delay(SWITCH_MS);
   }
+  listen();
 }
 
 // The setpoint at this second of the run.
@@ -194,24 +218,48 @@ bool holds(int m, const Row &row, double since_s) {
   return fabs(off) <= row.tolerance;
 }
 
+// The next frames of the stop of a motor.
+void stop_once(int m) {
+  Motor &motor = motors[m];
+  if (motor.mode != VELOCITY && (motor.switches == 0 || millis() - motor.switch_ms >= SWITCH_MS)) {
+    motor.switches++;
+    motor.switch_ms = millis();
+    bool may_push = motor.mode == CURRENT;
+    switch_once(m, VELOCITY);
+    // There a brake frame is 0 A.
+    if (may_push) drive(m, 0, 0, 0xFF);
+  }
+  // In the position loop a brake frame is a move to 0 degrees: first the motor reports that it has left it.
+  bool may_hold = motor.mode != VELOCITY && motor.mode != CURRENT;
+  if (may_hold && (motor.missed == 0 || motor.switches < SWITCHES_MAX)) {
+    query(m);
+    return;
+  }
+  bool replied = drive(m, 0, 0, 0xFF) && motor.mode == VELOCITY && motor.rpm == 0;
+  double moved = fabs(fmod(motor.degrees - motor.still_degrees + 540, 360) - 180);
+  if (!replied || motor.still == 0 || moved > STILL_DEGREES) {
+    motor.still = replied ? 1 : 0;
+    motor.still_degrees = motor.degrees;
+  } else {
+    motor.still++;
+  }
+}
+
 // Velocity loop, zero, brake, until each motor reports a standstill.
 void stop() {
-  for (int m = 0; m < COUNT; m++)
-    if (motors[m].mode != VELOCITY) switch_mode(m, VELOCITY);
-  bool stands[COUNT] = {};
   bool all = false;
   for (uint32_t began = millis(); !all && millis() - began < STOP_MS;) {
     all = true;
     for (int m = 0; m < COUNT; m++) {
-      stands[m] = drive(m, 0, 0, 0xFF) && motors[m].mode == VELOCITY && motors[m].rpm == 0;
-      all = all && stands[m];
+      stop_once(m);
+      all = all && motors[m].still >= STILL_REPLIES;
     }
     delay(5);
   }
   for (int m = 0; m < COUNT; m++) {
     Serial.print("motor ");
     Serial.print((int)MOTORS[m].id);
-    Serial.println(stands[m] ? " stands" : " DID NOT CONFIRM ITS STOP");
+    Serial.println(motors[m].still >= STILL_REPLIES ? " stands" : " DID NOT CONFIRM ITS STOP");
   }
 }
 
@@ -290,10 +338,7 @@ void run() {
     uint32_t next = (uint32_t)ceil(seconds_now() * 1000 / PERIOD_MS);
     number = next > number ? next : number + 1;
     while (seconds_now() * 1000 < (double)number * PERIOD_MS && !ended) {
-      if (Serial.available()) {
-        Serial.read();
-        ended = "stopped by you";
-      }
+      listen();
     }
   }
 }
@@ -312,6 +357,7 @@ void loop() {
   for (int m = 0; m < COUNT; m++) motors[m] = Motor();
   for (int m = 0; m < COUNT && !ended; m++) {
     switch_mode(m, MOTORS[m].mode);
+    if (ended) break;
     bool replied = false;
     for (int i = 0; i < MISSED_MAX && !replied; i++) replied = query(m);
     check(m, 0);
@@ -321,7 +367,7 @@ void loop() {
       switch_mode(m, VELOCITY);
       drive(m, 0, 0, 0);
       motors[m].kept = motors[m].degrees;
-      switch_mode(m, POSITION);
+      if (!ended) switch_mode(m, POSITION);
     }
   }
   if (!ended) {

@@ -4,6 +4,7 @@
 Drives M0601/DDSM115 hub motors over RS485. Needs pyserial: pip install pyserial
 Moves: @WHAT@.
 THE WHEELS TURN. Fasten the motors first. Ctrl-C stops them; the power switch is the emergency stop.
+If the cable or the computer fails, the wheel may keep turning. Only the power switch stops it then.
 """
 
 import math
@@ -36,6 +37,10 @@ MISSED_MAX = 10
 OVER_CURRENT_S = 0.5
 FRESH_S = 0.5
 STOP_S = 3.0
+# Replies in a row without speed and without motion, in the velocity loop, that make a standstill.
+STILL_REPLIES, STILL_DEGREES = 3, 0.3
+# Mode switches to a motor without replies: it has received five of them then, or receives nothing.
+SWITCHES_MAX, SWITCH_S = 15, 0.02
 
 
 class Ended(Exception):
@@ -64,6 +69,7 @@ class Motor:
         # The setpoint that is kept, or the row that is followed since when and from where.
         self.kept, self.row, self.since_s, self.start = 0.0, None, 0.0, 0.0
         self.acceleration, self.brakes = 0, False
+        self.switches, self.switch_s, self.still, self.still_degrees = 0, 0.0, 0, 0.0
 
     def exchange(self, body):
         """Sends nine bytes with their CRC; reads the reply."""
@@ -91,11 +97,39 @@ class Motor:
         high, low = (raw & 0xFFFF).to_bytes(2, "big")
         return self.exchange([self.address, 0x64, high, low, 0, 0, acceleration, brake, 0])
 
+    def switch_once(self, mode):
+        """It has no reply. Until the next reply the loop is unknown."""
+        self.reported_mode = None
+        self.port.write(bytes([self.address, 0xA0, 0, 0, 0, 0, 0, 0, 0, mode]))
+
     def switch(self, mode):
-        """Five frames, 20 ms apart, without a reply."""
+        """Five frames, 20 ms apart."""
         for _ in range(5):
-            self.port.write(bytes([self.address, 0xA0, 0, 0, 0, 0, 0, 0, 0, mode]))
-            time.sleep(0.02)
+            self.switch_once(mode)
+            time.sleep(SWITCH_S)
+
+    def stop(self):
+        """The next frames of a stop."""
+        if self.reported_mode != VELOCITY and time.monotonic() >= self.switch_s:
+            self.switches, self.switch_s = self.switches + 1, time.monotonic() + SWITCH_S
+            may_push = self.reported_mode == CURRENT
+            self.switch_once(VELOCITY)
+            if may_push:
+                # There a brake frame is 0 A.
+                self.drive(0, 0, 0xFF)
+        # In the position loop a brake frame is a move to 0 degrees: first the motor reports that it has left it.
+        if self.reported_mode not in (VELOCITY, CURRENT) and (self.missed == 0 or self.switches < SWITCHES_MAX):
+            self.query()
+            return
+        replied = self.drive(0, 0, 0xFF) and self.reported_mode == VELOCITY and abs(self.rpm) < 1
+        moved = abs((self.degrees - self.still_degrees + 180) % 360 - 180) if replied else 0.0
+        if not replied or self.still == 0 or moved > STILL_DEGREES:
+            self.still, self.still_degrees = int(replied), self.degrees
+        else:
+            self.still += 1
+
+    def stands(self):
+        return self.still >= STILL_REPLIES
 
     def set(self, value, acceleration, brakes):
         if brakes:
@@ -214,22 +248,15 @@ def run(motors):
 
 def stop(motors):
     """Velocity loop, zero, brake, until each motor reports a standstill."""
-    for motor in motors:
-        if motor.reported_mode != VELOCITY:
-            motor.switch(VELOCITY)
     until_s = time.monotonic() + STOP_S
-    standing = set()
-    while time.monotonic() < until_s and len(standing) < len(motors):
+    while time.monotonic() < until_s and not all(motor.stands() for motor in motors):
         for motor in motors:
-            if motor.drive(0, 0, 0xFF) and motor.reported_mode == VELOCITY and abs(motor.rpm) < 1:
-                standing.add(motor.address)
-            else:
-                standing.discard(motor.address)
+            motor.stop()
         time.sleep(0.005)
     for motor in motors:
-        said = "stands" if motor.address in standing else "DID NOT CONFIRM ITS STOP"
+        said = "stands" if motor.stands() else "DID NOT CONFIRM ITS STOP"
         print(f"motor {motor.address} {said}", flush=True)
-    return len(standing) == len(motors)
+    return all(motor.stands() for motor in motors)
 
 
 def main():
@@ -263,7 +290,7 @@ def main():
             run(motors)
         except KeyboardInterrupt:
             failed = "stopped by you"
-        except (Ended, serial.SerialException, OSError) as error:
+        except Exception as error:  # whatever it is, the motors are stopped
             failed = str(error)
         finally:
             # A second Ctrl-C must not end the stop.
@@ -273,7 +300,7 @@ def main():
             try:
                 stands = stop(motors)
             except (serial.SerialException, OSError) as error:
-                stands, failed = False, f"{error}; the wheels coast"
+                stands, failed = False, f"{error}; the wheels may keep turning: switch their power off"
     print(f"aborted: {failed}" if failed else "finished", flush=True)
     return 0 if stands and not failed else 1
 
