@@ -11,14 +11,9 @@ use crate::{
     other_bytes::count_line,
     raw::frame::addressee,
     raw::status::RawAnswer,
-    receiver::ReceivedReply,
-    receiver::{OtherBytes, Segment},
+    receiver::{OtherBytes, ReceivedReply, STRAY_BYTES_MAX, Segment},
     replies::micros,
 };
-
-/// Most junk bytes beside one clean reply to the ID query. Less than half a frame is noise; more is
-/// the reply of another motor.
-const STRAY_BYTES_MAX: usize = 4;
 
 impl Bus {
     /// The reply window of a broadcast has ended.
@@ -115,6 +110,7 @@ impl Bus {
         }
         let mut replies = rest.replies();
         let one = match (replies.next(), replies.next()) {
+            // Less than half a frame is noise; more is the reply of another motor.
             (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
                 Some(received.reading.id())
             }

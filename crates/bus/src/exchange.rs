@@ -125,6 +125,11 @@ impl Exchange {
         }
     }
 
+    /// The time to its last byte: a reply may be recognized later.
+    pub(crate) fn took(&self, now: Instant) -> Duration {
+        self.last_byte.unwrap_or(now).since(self.sent)
+    }
+
     pub(crate) fn deadline(&self) -> Instant {
         self.held_until
             .map_or(self.window_ends, |held| held.min(self.window_ends))

@@ -286,14 +286,17 @@ impl Motor {
     }
 
     /// Whether this reading cannot follow the last one: its temperature has jumped, or its angle is back at zero. Then
-    /// the frame, which is identical to its request, is an echo.
+    /// the frame, which is identical to its request or begins like it, is an echo.
     pub(crate) fn contradicts(&self, now: Instant, reading: &Reading) -> bool {
         match reading {
             Reading::Drive(reading) => self.temperature.is_some_and(|(at, before)| {
                 let jump = before.degrees().abs_diff(reading.temperature.degrees());
                 jump > TEMPERATURE_JUMP && now.since(at) < FRESH_FOR
             }),
-            Reading::Odometry(_) => self.separate.is_far_from_zero(now),
+            Reading::Odometry(reading) => {
+                let is_zero = reading.turns == 0 && reading.position.raw() == 0;
+                is_zero && self.separate.is_far_from_zero(now)
+            }
             Reading::Combined(_) | Reading::Mode(_) => false,
         }
     }

@@ -47,15 +47,23 @@ impl Bus {
     fn log_and_record(&mut self, now: Instant, rest: &OtherBytes) {
         for piece in &rest.segments {
             match piece {
-                Segment::Reply(received) => self.receive_late_reply(now, *received),
+                Segment::Reply(received) => {
+                    // Beside junk it may be a frame by chance.
+                    self.receive_late_reply(now, *received, rest.junk_bytes == 0);
+                }
                 Segment::Junk(junk) => self.log(now, LineEventKind::Junk(*junk)),
             }
         }
     }
 
     /// Processes a good frame outside its window. The request is uncertain, so bytes 6 and 7 stay
-    /// undetermined.
-    pub(crate) fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
+    /// undetermined. A frame that is not certain is counted and tells nothing.
+    pub(crate) fn receive_late_reply(
+        &mut self,
+        now: Instant,
+        received: ReceivedReply,
+        is_certain: bool,
+    ) {
         let ReceivedReply { frame, reading } = received;
         let id = reading.id();
         self.log_received(now, &frame, None);
@@ -73,7 +81,7 @@ impl Bus {
                     motor.count_reply();
                     return;
                 };
-                if motor.late.may_answer_id_query() {
+                if !is_certain || motor.late.may_answer_id_query() {
                     motor.count_reply();
                 } else if motor.late.makes_round_trip_ambiguous(now) {
                     self.record_reply(now, reply);

@@ -14,6 +14,8 @@ pub(crate) enum Probe {
     IdQuery,
     /// One address, by a feedback query.
     Query(MotorId),
+    /// The same by another query, if the model has one. Behind an answer that was identical to its request.
+    OtherQuery(MotorId),
 }
 
 /// What a look at one address brought.
@@ -35,7 +37,7 @@ impl Probe {
             // The odometry reply of a DDSM210 at angle 0 is identical to its request, like an echo. Its loop at
             // power-up is not.
             Self::Query(id) if model.replies_look_like_requests() => Request::ModeQuery { id },
-            Self::Query(id) => Request::Query { id },
+            Self::Query(id) | Self::OtherQuery(id) => Request::Query { id },
         }
     }
 }

@@ -1,12 +1,16 @@
 //! Finds replies in the received bytes: behind echoes, behind junk, in pieces.
 
+mod echo;
 mod frames;
+
+use std::collections::VecDeque;
 
 use motorlink_protocol::{
     FRAME_LEN, Frame, MotorId,
     family::{Layout, Model, Reading},
 };
 
+use echo::{Echo, part_before};
 pub(crate) use frames::reply_byte;
 
 use frames::{begins_reply, frame_at, next_window, replier_at, reply_at};
@@ -20,29 +24,42 @@ use crate::{
 /// oldest bytes are dropped.
 const CAPACITY: usize = 128;
 
-/// So many replies in a row without an echo, and a frame that is identical to its request is its reply.
-const ECHO_RULED_OUT: u8 = 3;
+/// The first byte of the ID query, which every motor answers.
+const ID_QUERY: u8 = 0xC8;
 
-/// So many bytes of the request directly before the reply are an echo. One byte may be noise: a request and its reply
-/// begin with the same byte.
-const ECHO_LEN_MIN: usize = 2;
+/// So many replies in a row show that nothing of earlier requests is outstanding, as in `LateReplies`.
+const OWED_MIN: u8 = 4;
+const OWED_MAX: u8 = 8;
+
+/// Noise beside a reply has at most so many bytes. More are part of a frame.
+pub(crate) const STRAY_BYTES_MAX: usize = 4;
+
+/// A motor is asked at once again behind so many doubtful copies: twelve answers that differ end the doubt. Of a motor
+/// that does not answer, only the echo comes.
+const DOUBTS_MAX: u8 = 32;
 
 /// The received bytes of one exchange.
 ///
 /// Every offset is tried, because a truncated echo shifts the reply by an unknown length. CRC, ID
 /// and byte 1 tell whether a window is a reply. Of a DDSM115 byte 1 is the mode, and a whole echo of a request has
-/// 64, 74 or A0 there. A reply of a DDSM210 may be identical to its request: the first such frame is the echo,
-/// unless several replies in a row have come without a byte of one. On a line that has echoed it always is.
+/// 64, 74 or A0 there. A reply of a DDSM210 may be identical to its request. Such a copy is a reply only if that is
+/// proved: see [`Echo`].
 ///
-/// An echo that begins only later, whole at once, cannot always be told from a reply: see `Motor::contradicts`.
+/// An echo that begins only later, whole at once and without the reply, cannot always be told from a reply: see
+/// `Motor::contradicts`.
 #[derive(Debug)]
 pub(crate) struct Receiver {
     buffer: Vec<u8>,
     /// Bytes dropped because the buffer was full.
     overflowed: usize,
     model: Model,
-    /// Replies in a row without an echo before them; `None` once there was one, whole or cut.
-    without_echo: Option<u8>,
+    echo: Echo,
+    /// Copies that were no proof, at most [`DOUBTS_MAX`].
+    doubts: u8,
+    /// The last requests without a reply, at most [`OWED_MAX`].
+    unanswered: VecDeque<Frame>,
+    /// Replies to receive before nothing of an unanswered request counts as outstanding, its echo included.
+    owed: u8,
 }
 
 /// Result of the search for a reply.
@@ -52,6 +69,8 @@ pub(crate) enum Found {
     Nothing,
     /// A good window that may still turn out to be the shifted image of another.
     Ambiguous,
+    /// A frame that is identical to the request: its echo, unless nothing else comes.
+    Copy,
     /// A reply that starts at this offset.
     At(usize),
 }
@@ -88,6 +107,22 @@ pub(crate) enum Segment {
     Junk(JunkBytes),
 }
 
+impl ReceivedReply {
+    /// Whether the CRC may hold by chance, as it does in one of 256 windows: beside so many bytes of junk, the frame has
+    /// faults that no motor is known to report, or is part of a frame whose rest came in another window. `outstanding`
+    /// if a reply to an earlier request may still come.
+    pub(crate) fn is_chance(&self, junk_bytes: usize, outstanding: bool) -> bool {
+        let faults = match self.reading {
+            Reading::Combined(reply) => Some(reply.faults),
+            Reading::Drive(reading) => Some(reading.faults),
+            Reading::Odometry(reading) => Some(reading.faults),
+            Reading::Mode(_) => None,
+        };
+        let is_unknown = faults.is_some_and(|faults| faults.unknown_bits() != 0);
+        junk_bytes > 0 && is_unknown || outstanding && junk_bytes > STRAY_BYTES_MAX
+    }
+}
+
 impl OtherBytes {
     /// Good frames of any motor.
     pub(crate) fn replies(&self) -> impl Iterator<Item = &ReceivedReply> {
@@ -109,7 +144,10 @@ impl Receiver {
             buffer: Vec::with_capacity(CAPACITY),
             overflowed: 0,
             model,
-            without_echo: Some(0),
+            echo: Echo::default(),
+            doubts: 0,
+            unanswered: VecDeque::new(),
+            owed: 0,
         }
     }
 
@@ -133,13 +171,12 @@ impl Receiver {
         let model = self.model;
         let bytes = self.buffer.as_slice();
         let byte_1 = reply_byte(model, layout);
-        let echo = self.echo_like_a_reply(bytes, sent);
         let is_its = |offset: usize| {
             let in_layout = byte_1.is_none_or(|byte| bytes.get(offset + 1) == Some(&byte));
-            in_layout && Some(offset) != echo && replier_at(model, bytes, offset) == Some(id)
+            in_layout && !self.is_copy(offset, sent) && replier_at(model, bytes, offset) == Some(id)
         };
         if !(0..bytes.len()).any(is_its) {
-            return Found::Nothing;
+            return self.find_copy(sent, settled);
         }
         let may_begin = |offset: usize| match bytes.get(offset..offset + 2) {
             Some([first, second]) => *first == id.get() && begins_reply(model, *second),
@@ -171,62 +208,127 @@ impl Receiver {
     ) -> Option<(ReceivedReply, OtherBytes)> {
         let received = reply_at(self.model, &self.buffer, offset)?;
         let other_bytes = self.sort(offset, sent);
-        if received.frame != *sent {
-            self.without_echo = match (other_bytes.echoed, self.without_echo) {
-                (0, counted) => counted.map(|replies| replies.saturating_add(1)),
-                (FRAME_LEN, _) => None,
-                (echoed, _) if echoed >= ECHO_LEN_MIN && echoed == offset => None,
-                (_, counted) => counted.map(|_| 0),
-            };
+        if received.frame != *sent && self.owed == 0 {
+            let before = self.buffer.get(..offset).unwrap_or_default();
+            self.echo.replied(part_before(before, sent));
+        }
+        self.owed = self.owed.saturating_sub(1);
+        if self.owed == 0 {
+            self.unanswered.clear();
         }
         self.buffer.drain(..offset + FRAME_LEN);
         Some((received, other_bytes))
     }
 
-    /// Records an echo: a frame identical to its request came too early for a reply.
+    /// Records an echo: a frame identical to its request came too early for a reply, or cannot be true.
     pub(crate) fn echo_detected(&mut self) {
-        self.without_echo = self.without_echo.map(|_| 0);
+        self.echo.detected();
+    }
+
+    /// Whether a copy of the request has come that may be its reply. What the adapter does is not known yet: a request
+    /// whose answer differs tells more.
+    pub(crate) fn has_doubtful_copy(&mut self, sent: &Frame) -> bool {
+        let is_doubtful = self.echo.is_unknown()
+            && self.doubts < DOUBTS_MAX
+            && self.find_copy(sent, false) == Found::Copy;
+        self.doubts += u8::from(is_doubtful);
+        is_doubtful
+    }
+
+    /// Whether to ask at once again for what has just been answered: copies may be replies, and this tells whether the
+    /// adapter echoes.
+    pub(crate) fn wants_proof(&mut self) -> bool {
+        let wants = self.echo.is_unknown() && (1..DOUBTS_MAX).contains(&self.doubts);
+        self.doubts += u8::from(wants);
+        wants
+    }
+
+    /// The window of the request `sent` has ended without a reply.
+    pub(crate) fn window_ended(&mut self, sent: &Frame) {
+        if self.unanswered.len() >= usize::from(OWED_MAX) {
+            self.unanswered.pop_front();
+        }
+        self.unanswered.push_back(*sent);
+        self.owed = (self.owed + 1).clamp(OWED_MIN, OWED_MAX);
+    }
+
+    /// Whether bytes of an unanswered request may still come.
+    pub(crate) const fn is_owed(&self) -> bool {
+        self.owed > 0
     }
 
     /// Empties the buffer at the end of an exchange.
     pub(crate) fn clear(&mut self, sent: &Frame) -> OtherBytes {
         let other_bytes = self.sort(self.buffer.len(), sent);
-        if other_bytes.echoed == 0 && other_bytes.replies().next().is_some() {
-            self.without_echo = self.without_echo.map(|replies| replies.saturating_add(1));
+        if let Some(reply) = other_bytes.replies().next()
+            && reply.frame != *sent
+            && self.owed == 0
+        {
+            let at = self.buffer.windows(FRAME_LEN);
+            let at = at.into_iter().position(|it| it == reply.frame.bytes());
+            let before = self.buffer.get(..at.unwrap_or_default());
+            self.echo
+                .replied(part_before(before.unwrap_or_default(), sent));
+        } else if other_bytes.echoed == FRAME_LEN && !echo::may_be_reply(self.model, sent) {
+            self.echo.detected();
         }
         self.buffer.clear();
         other_bytes
     }
 
-    /// Where a whole echo of `sent` stands that looks like a reply.
-    fn echo_like_a_reply(&self, bytes: &[u8], sent: &Frame) -> Option<usize> {
-        let echoes = self
-            .without_echo
-            .is_none_or(|replies| replies < ECHO_RULED_OUT);
-        if !(echoes && self.model.replies_look_like_requests()) {
-            return None;
-        }
+    /// Whether the frame at `offset` is identical to its request, or to an earlier one without a reply. Its echo looks
+    /// like a reply.
+    fn is_copy(&self, offset: usize, sent: &Frame) -> bool {
+        let window = self.buffer.get(offset..).and_then(<[u8]>::first_chunk);
+        let Some(window) = window.filter(|_| self.model.has_separate_frames()) else {
+            return false;
+        };
+        let mut unanswered = self.unanswered.iter();
+        echo::is_echo(self.model, window, sent)
+            || unanswered.any(|earlier| window == earlier.bytes())
+    }
+
+    /// The copy of the request that is its reply, or may be.
+    fn find_copy(&self, sent: &Frame, settled: bool) -> Found {
+        let bytes = self.buffer.as_slice();
         let mut windows = bytes.windows(FRAME_LEN);
-        windows.position(|window| window == sent.bytes())
+        let Some(last) = windows.rposition(|window| window == sent.bytes()) else {
+            return Found::Nothing;
+        };
+        if !echo::may_be_reply(self.model, sent) {
+            return Found::Nothing;
+        }
+        // Behind the echo of a request, whole or cut, a copy of it is the reply.
+        let before = bytes.get(..last).unwrap_or_default();
+        let ends = last + FRAME_LEN == bytes.len();
+        if ends && self.echo.proves_reply(part_before(before, sent)) {
+            return Found::At(last);
+        }
+        // Where nothing is echoed, it is the reply too. But this may be the first echo: then the reply follows.
+        if settled && self.echo.is_ruled_out() {
+            return Found::At(last);
+        }
+        Found::Copy
     }
 
     /// Sorts the first `length` bytes into echo, frames and junk.
     fn sort(&mut self, length: usize, sent: &Frame) -> OtherBytes {
         let model = self.model;
         let bytes = self.buffer.get(..length).unwrap_or_default();
-        let echo = self.echo_like_a_reply(bytes, sent);
         let same = bytes
             .iter()
             .zip(sent.bytes())
             .take_while(|(heard, sent)| heard == sent)
             .count();
         let first = next_window(model, bytes, 0, sent).map(|window| window.offset);
+        let tail = echo::tail_at_front(bytes, sent);
         // A reply and its request begin with the same byte. Where a reply starts, whole or corrupt,
         // that byte is not an echo.
         let echoed = match first {
             // A raw frame that looks like a reply: no motor answers with the bytes of the request.
             _ if same == FRAME_LEN => FRAME_LEN,
             Some(reply) if reply < same => reply,
+            _ if tail > same && first.is_none_or(|reply| tail <= reply) => tail,
             _ if same == 1 && replier_at(model, &self.buffer, 1).is_none() => 0,
             _ => same,
         };
@@ -239,7 +341,11 @@ impl Receiver {
                 .find_map(|offset| {
                     // Noise is rarely aligned to a frame.
                     let frame = frame_at(bytes, offset)?;
-                    other_model(model, &frame).filter(|_| frame != *sent)
+                    other_model(model, &frame).filter(|(id, _)| {
+                        // A byte of noise before an echo makes frames of any address. A motor answers for its own.
+                        let [asked, ..] = *sent.bytes();
+                        frame != *sent && (id.get() == asked || asked == ID_QUERY)
+                    })
                 }),
             is_json: is_json(bytes),
         };
@@ -255,7 +361,7 @@ impl Receiver {
             other_bytes.junk_bytes += next - at;
             at = next;
             if let Some(received) = reply_at(model, bytes, at) {
-                if Some(at) != echo {
+                if !self.is_copy(at, sent) {
                     other_bytes.segments.push(Segment::Reply(received));
                 }
                 at += FRAME_LEN;

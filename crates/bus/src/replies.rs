@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    FRAME_LEN, Instant, Mode, MotorId, Reply, Setpoint,
+    FRAME_LEN, Frame, Instant, Mode, MotorId, Reply, Setpoint,
     family::{Layout, Reading},
 };
 
@@ -11,7 +11,7 @@ use crate::{
     bus::{Bus, LastDrive},
     event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
-    line_event::{LineEvent, LineEventKind},
+    line_event::{JunkBytes, LineEvent, LineEventKind},
     line_use::Use,
     model::units::as_combined,
     motor::{Control, Motor},
@@ -57,6 +57,16 @@ impl Bus {
                     }
                     return;
                 }
+                Found::Copy => {
+                    if now.since(exchange.sent) < earliest_reply(self.model) {
+                        self.receiver.echo_detected();
+                    }
+                    // The reply may follow, however long the line is quiet.
+                    if let Line::Busy(exchange) = &mut self.line {
+                        exchange.held_until = None;
+                    }
+                    return;
+                }
                 Found::At(offset) => {
                     let Some((received, before)) = self.receiver.take(offset, &exchange.frame)
                     else {
@@ -67,19 +77,30 @@ impl Bus {
                         // It arrives too early to answer this request.
                         if received.frame == exchange.frame {
                             self.receiver.echo_detected();
+                        } else {
+                            self.receive_late_reply(now, received, before.junk_bytes == 0);
                         }
-                        self.receive_late_reply(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
                             exchange.held_until = None;
                         }
                         continue;
                     }
                     let motor = self.motors.iter().find(|motor| motor.id == id);
-                    if received.frame == exchange.frame
+                    let outstanding = motor.is_some_and(|motor| motor.late.may_come(now));
+                    if received.is_chance(before.junk_bytes, outstanding) {
+                        let junk = JunkBytes::new(received.frame.bytes());
+                        self.log(now, LineEventKind::Junk(junk));
+                        continue;
+                    }
+                    let is_like_echo = self.model.has_separate_frames()
+                        && begins_like(&received.frame, &exchange.frame);
+                    if (is_like_echo || self.receiver.is_owed())
                         && motor.is_some_and(|motor| motor.contradicts(now, &received.reading))
                     {
-                        // An echo that the adapter has delayed.
-                        self.receiver.echo_detected();
+                        // An echo that the adapter has delayed, or a part of one and noise.
+                        if is_like_echo {
+                            self.receiver.echo_detected();
+                        }
                         continue;
                     }
                     self.line = Line::Free {
@@ -138,7 +159,7 @@ impl Bus {
         let model = self.model;
         let id = reading.id();
         self.evidence.own_reply(id);
-        let took = now.since(exchange.sent);
+        let took = exchange.took(now);
         self.log_received(now, &frame, asked);
         let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
         if outstanding && own_reply > now {
@@ -165,6 +186,10 @@ impl Bus {
             // Several replies at once may pass the CRC as a reply of no motor.
             motor.count_reply();
             return;
+        }
+        if exchange.purpose == Purpose::Control && self.receiver.wants_proof() {
+            motor.separate.asks_loop = matches!(reading, Reading::Mode(_));
+            motor.next_query = now;
         }
         let confirms_loop = motor.confirms_loop();
         let names_loop = reading.names_loop(model);
@@ -250,6 +275,11 @@ impl Bus {
         self.events
             .push_back(Event::Telemetry(Sample { at: now, reply }));
     }
+}
+
+/// Whether a reply differs from its request in the last three bytes at most, behind the acceleration.
+fn begins_like(reply: &Frame, request: &Frame) -> bool {
+    reply.bytes().get(..7) == request.bytes().get(..7)
 }
 
 /// The reply that this reading makes, unless it only names the loop.

@@ -43,6 +43,8 @@ impl Bus {
             self.look_for_reply(now);
             return;
         }
+        let is_doubtful = self.receiver.has_doubtful_copy(&exchange.frame);
+        self.receiver.window_ended(&exchange.frame);
         let rest = self.receiver.clear(&exchange.frame);
         match exchange.expects {
             Expects::Nothing => {}
@@ -51,12 +53,12 @@ impl Bus {
             }
             Expects::Reply { id, layout } => {
                 self.process_other_bytes(now, &exchange, &rest);
-                self.unanswered(now, &exchange, id, layout, &rest);
+                self.unanswered(now, &exchange, id, layout, &rest, is_doubtful);
             }
         }
     }
 
-    /// The reply window of one motor has ended without its reply.
+    /// The reply window of one motor has ended without its reply. `is_doubtful` if a copy of the request may be the reply.
     pub(crate) fn unanswered(
         &mut self,
         now: Instant,
@@ -64,6 +66,7 @@ impl Bus {
         id: MotorId,
         layout: Layout,
         rest: &OtherBytes,
+        is_doubtful: bool,
     ) {
         let waited_us = micros(now.since(exchange.sent));
         match exchange.purpose {
@@ -71,7 +74,7 @@ impl Bus {
             // silent.
             Purpose::Control if self.may_mean_slow_adapter(now, id) => self.round_trip.lost(),
             Purpose::Control | Purpose::Pause => {}
-            Purpose::Job if rest.is_silence() => {
+            Purpose::Job if rest.is_silence() && !is_doubtful => {
                 self.job_probe_ended(now, exchange.sent, id, ProbeResult::Silence);
             }
             Purpose::Job => self.job_probe_ended(now, exchange.sent, id, ProbeResult::Noise),
@@ -93,6 +96,10 @@ impl Bus {
                     exchange.sent,
                 );
                 motor.loss.count(true);
+                if is_doubtful {
+                    // The two kinds of queries alternate, and the answer to the other one differs from its request.
+                    motor.next_query = now;
+                }
                 // A good reply of another motor says nothing of this one.
                 if rest.junk_bytes > 0 {
                     motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);

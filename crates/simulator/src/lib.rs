@@ -47,6 +47,6 @@ mod world;
 pub use config::{MotorConfig, WhenSilent, WorldConfig};
 pub use line_condition::LineCondition;
 pub use motor::VirtualMotor;
-pub use wire::{Chunk, Echo, Split, WireFaults};
+pub use wire::{Beside, Chunk, Echo, Split, WireFaults};
 pub use wire_frame::{Sender, WireFrame};
 pub use world::World;

@@ -16,7 +16,7 @@ use crate::{
     random::Random,
     wire::Chunk,
     wire::WireFaults,
-    wire::{Adapter, HostReceiver, MotorReceiver, PassedByte, SharedWire, Source},
+    wire::{Adapter, FloatingPair, HostReceiver, MotorReceiver, PassedByte, SharedWire, Source},
     wire_frame::Sender,
     wire_frame::WireFrame,
     wire_frame::WireFrameLog,
@@ -26,9 +26,11 @@ use crate::{
 /// replies after 600 us, so a few per motor are enough.
 const ANSWERS_MAX: usize = 1024;
 
-/// Random streams: garbage, faults, then one per motor.
+/// Random streams: garbage, faults, parts of echoes, noise of a floating pair, then one per motor.
 const GARBAGE_STREAM: u64 = 1;
 const FAULT_STREAM: u64 = 2;
+const ECHO_STREAM: u64 = 3;
+const FLOATING_STREAM: u64 = 4;
 const MOTOR_STREAM: u64 = 16;
 
 /// A motor with its number, which stays when its address changes.
@@ -62,6 +64,7 @@ pub struct World {
     motor_receiver: MotorReceiver,
     host_receiver: HostReceiver,
     adapter: Adapter,
+    floating: FloatingPair,
     /// In order of time.
     answers: VecDeque<Answer>,
     wire_frames: WireFrameLog,
@@ -79,7 +82,12 @@ impl World {
             next_number: 0,
             seed: config.seed,
             turnaround: config.turnaround,
-            shared_wire: SharedWire::new(config.baud, Random::new(config.seed, GARBAGE_STREAM)),
+            shared_wire: SharedWire::new(
+                config.baud,
+                Random::new(config.seed, GARBAGE_STREAM),
+                Random::new(config.seed, ECHO_STREAM),
+            ),
+            floating: FloatingPair::new(Random::new(config.seed, FLOATING_STREAM)),
             motor_receiver: MotorReceiver::default(),
             host_receiver: HostReceiver::default(),
             adapter: Adapter::new(config.faults, Random::new(config.seed, FAULT_STREAM)),
@@ -127,6 +135,7 @@ impl World {
             self.adapter.next_arrival(),
             self.shared_wire.next_frame_end(),
             answer,
+            self.floating.next(),
         ]
         .into_iter()
         .flatten()
@@ -222,8 +231,19 @@ impl World {
             }
             Some(latest) => latest.max(now),
         };
-        while let Some(at) = self.step_within(now) {
-            self.now = Some(at);
+        loop {
+            let since = self.now.unwrap_or(now);
+            let noise = self.floating.due(self.adapter.is_floating(), since, now);
+            while let Some(at) = self.step_within(noise.unwrap_or(now)) {
+                self.now = Some(at);
+            }
+            let Some(at) = noise else {
+                break;
+            };
+            if !self.shared_wire.is_busy_at(at) {
+                self.adapter.noise(at);
+            }
+            self.floating.passed(at);
         }
         for slot in &mut self.slots {
             slot.motor.advance(now);

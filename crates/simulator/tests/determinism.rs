@@ -6,7 +6,7 @@ mod fixture;
 use fixture::{id, ms, speed, us};
 use motorlink_protocol::{Instant, Mode, MotorId, Request};
 use motorlink_simulator::{
-    Chunk, Echo, MotorConfig, Split, WireFaults, WireFrame, World, WorldConfig,
+    Beside, Chunk, Echo, MotorConfig, Split, WireFaults, WireFrame, World, WorldConfig,
 };
 use proptest::prelude::*;
 
@@ -29,7 +29,7 @@ fn bad_world(seed: u64) -> World {
             },
         ],
         faults: WireFaults {
-            echo: Echo::Cut(4),
+            echo: Echo::Parts,
             lose_request: 0.05,
             lose_reply: 0.05,
             corrupt_request: 0.05,
@@ -40,6 +40,9 @@ fn bad_world(seed: u64) -> World {
             split: Some(Split::default()),
             hold: us(700),
             stranger: Some(id(7)),
+            beside: Some(Beside::After(0xFF)),
+            block: 3,
+            floating: true,
         },
         ..WorldConfig::default()
     })

@@ -42,7 +42,8 @@ impl Observer {
             }
             // The log of a late reply names no layout: its request is uncertain.
             _ if asked.is_none() && self.has_requests => {
-                self.bus.receive_late_reply(at, received);
+                self.bus
+                    .receive_late_reply(at, received, self.junk_before == 0);
             }
             // Its request is not in the recording.
             _ => {
@@ -160,7 +161,7 @@ impl Observer {
             junk_bytes: junk_bytes + std::mem::take(&mut self.junk_before),
             ..OtherBytes::default()
         };
-        self.bus.unanswered(at, exchange, id, layout, &rest);
+        self.bus.unanswered(at, exchange, id, layout, &rest, false);
     }
 
     fn answered(

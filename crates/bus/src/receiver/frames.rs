@@ -11,6 +11,12 @@ use super::ReceivedReply;
 const FAULT_BYTE: usize = 8;
 const RESERVED: u8 = 0b1110_0000;
 
+/// Byte 1 of the replies of a DDSM210.
+const DRIVE: u8 = 0x64;
+const ODOMETRY: u8 = 0x74;
+const MODE: u8 = 0x75;
+const SWITCH: u8 = 0xA0;
+
 /// A window of ten bytes that is a good frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
@@ -23,9 +29,8 @@ pub(super) struct Window {
 ///
 /// Two overlapping windows cannot both be true: about one in 256 windows that begin like a reply
 /// has a good CRC by chance, behind a truncated echo or across two frames. The first is the true
-/// one, unless it is not part of a row of frames and there is a reason for the other: a frame
-/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes
-/// end.
+/// one, unless it is not part of a row of frames and there is a reason for the other: fewer faults are in it, a frame
+/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes end.
 pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
     let is_good = |offset: usize| replier_at(model, bytes, offset).is_some();
     let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
@@ -33,7 +38,11 @@ pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame)
     let follows_echo = |offset: usize| {
         (1..=FRAME_LEN).any(|length| {
             let begins = offset.checked_sub(length).filter(|begins| *begins <= first);
-            begins.is_some_and(|begins| bytes.get(begins..offset) == sent.bytes().get(..length))
+            begins.is_some_and(|begins| {
+                let before = bytes.get(begins..offset);
+                let is_tail = length > 1 && before == sent.bytes().get(FRAME_LEN - length..);
+                before == sent.bytes().get(..length) || is_tail
+            })
         })
     };
     let mut offset = first;
@@ -49,7 +58,10 @@ pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame)
             Some(faults) if faults & RESERVED == 0 => 1,
             Some(_) => 2,
         };
-        let is_likely = |rival: &usize| has_reason(rival) && doubt(*rival) <= doubt(first);
+        let is_likely = |rival: &usize| {
+            let (own, of_first) = (doubt(*rival), doubt(first));
+            own < of_first || (own == of_first && has_reason(rival))
+        };
         // After a truncated echo the true reply is the last one.
         offset = rivals().rfind(is_likely).unwrap_or(first);
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
@@ -65,10 +77,10 @@ pub(crate) const fn reply_byte(model: Model, layout: Layout) -> Option<u8> {
         return None;
     };
     let of_a_ddsm210 = match layout {
-        Layout::Drive => 0x64,
-        Layout::Query => 0x74,
-        Layout::Mode => 0x75,
-        Layout::Switch => 0xA0,
+        Layout::Drive => DRIVE,
+        Layout::Query => ODOMETRY,
+        Layout::Mode => MODE,
+        Layout::Switch => SWITCH,
     };
     Some(of_a_ddsm210 + reply_offset)
 }
@@ -78,12 +90,16 @@ pub(super) fn begins_reply(model: Model, byte: u8) -> bool {
     match model.spec().frames {
         FrameSet::Combined => Mode::from_byte(byte).is_ok(),
         FrameSet::Separate { reply_offset } => {
-            matches!(byte.wrapping_sub(reply_offset), 0x64 | 0x74 | 0x75 | 0xA0)
+            matches!(
+                byte.wrapping_sub(reply_offset),
+                DRIVE | ODOMETRY | MODE | SWITCH
+            )
         }
     }
 }
 
-/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply. The search tries
+/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply, and one that names the loop names
+/// nothing else. The search tries
 /// every offset, so it checks these bytes and decodes none.
 pub(super) fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<MotorId> {
     // Byte 1 before the CRC: it rules out most offsets.
@@ -91,7 +107,13 @@ pub(super) fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<Mo
         return None;
     }
     let frame = frame_at(bytes, offset).filter(Frame::crc_holds)?;
-    let &[id, ..] = frame.bytes();
+    let &[id, command, _, rest @ ..] = frame.bytes();
+    if let FrameSet::Separate { reply_offset } = model.spec().frames
+        && matches!(command.wrapping_sub(reply_offset), MODE | SWITCH)
+        && !matches!(rest, [0, 0, 0, 0, 0, 0, _])
+    {
+        return None;
+    }
     MotorId::new(id).ok()
 }
 

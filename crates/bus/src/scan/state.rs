@@ -127,7 +127,14 @@ impl Scan {
         }
         if let Some(id) = self.queue.pop_front() {
             self.probes_since_sample = self.probes_since_sample.saturating_add(1);
-            return Some(Probe::Query(id));
+            // Noise may be an answer that is identical to its request.
+            let address = self.addresses.get(place(id));
+            let again = address.is_some_and(|address| address.noisy && address.probes % 2 == 1);
+            return Some(if again {
+                Probe::OtherQuery(id)
+            } else {
+                Probe::Query(id)
+            });
         }
         let sampling_since = *self.sampling_since.get_or_insert(now);
         let undecided = match self.last_lost.filter(|_| self.lost > 0) {

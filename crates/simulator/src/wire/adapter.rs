@@ -10,7 +10,7 @@ use motorlink_protocol::{
 use crate::random::Random;
 
 use super::{
-    faults::{Echo, WireFaults},
+    faults::{Beside, Echo, WireFaults},
     host_receiver::Run,
 };
 
@@ -38,6 +38,8 @@ pub(crate) struct Adapter {
     chance: Random,
     /// In order of time.
     arriving: VecDeque<Chunk>,
+    /// Bytes of a block that is not full.
+    block: Vec<u8>,
 }
 
 impl Adapter {
@@ -46,6 +48,7 @@ impl Adapter {
             faults,
             chance,
             arriving: VecDeque::new(),
+            block: Vec::new(),
         }
     }
 
@@ -55,6 +58,15 @@ impl Adapter {
 
     pub(crate) const fn echo(&self) -> Echo {
         self.faults.echo
+    }
+
+    pub(crate) const fn is_floating(&self) -> bool {
+        self.faults.floating
+    }
+
+    /// A level that no driver holds is received as a byte.
+    pub(crate) fn noise(&mut self, at: Instant) {
+        self.arrive(at, &[0]);
     }
 
     /// A request on its way to the motors.
@@ -91,6 +103,11 @@ impl Adapter {
                 self.flip(&mut reply);
             }
             self.add_strays(&mut reply);
+            match self.faults.beside {
+                Some(Beside::Before(byte)) => reply.insert(0, byte),
+                Some(Beside::After(byte)) => reply.push(byte),
+                None => {}
+            }
         }
         bytes.append(&mut reply);
         self.split(end, &bytes);
@@ -168,8 +185,22 @@ impl Adapter {
         self.arrive(at, rest);
     }
 
-    /// Queues a piece after the ones before, held as long as the adapter holds bytes.
+    /// Collects bytes to blocks, if the adapter does.
     fn arrive(&mut self, at: Instant, bytes: &[u8]) {
+        let length = self.faults.block;
+        if length < 2 {
+            return self.queue(at, bytes);
+        }
+        self.block.extend_from_slice(bytes);
+        while self.block.len() >= length {
+            let rest = self.block.split_off(length);
+            let block = std::mem::replace(&mut self.block, rest);
+            self.queue(at, &block);
+        }
+    }
+
+    /// Queues a piece after the ones before, held as long as the adapter holds bytes.
+    fn queue(&mut self, at: Instant, bytes: &[u8]) {
         if bytes.is_empty() {
             return;
         }

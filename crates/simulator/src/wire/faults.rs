@@ -1,8 +1,10 @@
 //! Faults of a wire.
 
-use std::time::Duration;
+use std::{ops::Range, time::Duration};
 
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{FRAME_LEN, MotorId};
+
+use crate::random::Random;
 
 /// Echo: whether the host's adapter receives its own bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,17 +16,37 @@ pub enum Echo {
     Whole,
     /// Only this many bytes at the front of every frame, before the driver silences the receiver.
     Cut(usize),
+    /// At random nothing, every byte, the first bytes or the last bytes of each frame.
+    Parts,
 }
 
 impl Echo {
-    /// Whether the byte at this place of a frame comes back.
-    pub(crate) const fn reaches(self, place: usize) -> bool {
+    /// The places of the bytes of the next frame that come back.
+    pub(crate) fn part(self, chance: &mut Random) -> Range<usize> {
         match self {
-            Self::Off => false,
-            Self::Whole => true,
-            Self::Cut(bytes) => place < bytes,
+            Self::Off => 0..0,
+            Self::Whole => 0..FRAME_LEN,
+            Self::Cut(bytes) => 0..bytes,
+            Self::Parts => {
+                let bytes = 1 + chance.below(FRAME_LEN - 1);
+                match chance.below(4) {
+                    0 => 0..0,
+                    1 => 0..FRAME_LEN,
+                    2 => 0..bytes,
+                    _ => FRAME_LEN - bytes..FRAME_LEN,
+                }
+            }
         }
     }
+}
+
+/// A byte that comes with every reply, as a driver makes that is switched too early or too late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// This byte directly before every reply.
+    Before(u8),
+    /// This byte directly after every reply.
+    After(u8),
 }
 
 /// Delivery in pieces.
@@ -75,4 +97,10 @@ pub struct WireFaults {
     /// A good reply of this motor follows every reply, as if another host queried it. It collides
     /// with nothing.
     pub stranger: Option<MotorId>,
+    /// A byte beside every reply.
+    pub beside: Option<Beside>,
+    /// The adapter delivers received bytes only in blocks of this many. Zero and one deliver at once.
+    pub block: usize,
+    /// Nothing holds the idle pair at a level: a byte 00 comes every 2 to 19 ms while no frame is on it.
+    pub floating: bool,
 }

@@ -8,15 +8,17 @@
 
 mod adapter;
 mod faults;
+mod floating_pair;
 mod host_receiver;
 mod motor_receiver;
 mod shared_wire;
 mod timing;
 
 pub use adapter::Chunk;
-pub use faults::{Echo, Split, WireFaults};
+pub use faults::{Beside, Echo, Split, WireFaults};
 
 pub(crate) use adapter::Adapter;
+pub(crate) use floating_pair::FloatingPair;
 pub(crate) use host_receiver::HostReceiver;
 pub(crate) use motor_receiver::MotorReceiver;
 pub(crate) use shared_wire::{PassedByte, SharedWire, Source};

@@ -1,6 +1,6 @@
 //! The shared wire: which byte is sent when, and which bytes collide.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
 use motorlink_protocol::{FRAME_LEN, Instant};
 
@@ -61,18 +61,24 @@ pub(crate) struct SharedWire {
     /// When the host's last byte has passed, and how many bytes of its frame are sent by then.
     host_until: Option<Instant>,
     host_place: usize,
+    /// The places of the present frame of the host that come back.
+    echoed: Range<usize>,
     garbage: Random,
+    parts: Random,
     baud: u32,
 }
 
 impl SharedWire {
-    pub(crate) const fn new(baud: u32, garbage: Random) -> Self {
+    /// `garbage` are the bytes of collisions, `parts` the parts of frames that are echoed.
+    pub(crate) const fn new(baud: u32, garbage: Random, parts: Random) -> Self {
         Self {
             baud,
             bytes: VecDeque::new(),
             host_until: None,
             host_place: 0,
+            echoed: 0..0,
             garbage,
+            parts,
         }
     }
 
@@ -102,7 +108,10 @@ impl SharedWire {
         for (count, byte) in bytes.iter().take(room).enumerate() {
             let place = self.host_place;
             self.host_place = (place + 1) % FRAME_LEN;
-            let audible = echo.reaches(place);
+            if place == 0 {
+                self.echoed = echo.part(&mut self.parts);
+            }
+            let audible = self.echoed.contains(&place);
             self.put(
                 start,
                 count,
@@ -185,6 +194,11 @@ impl SharedWire {
             audible: byte.audible,
             collides: byte.collides,
         })
+    }
+
+    /// Whether a byte is on the wire at this time, or is followed by one.
+    pub(crate) fn is_busy_at(&self, now: Instant) -> bool {
+        self.bytes.front().is_some_and(|byte| byte.start <= now)
     }
 
     /// Whether a byte that the host receives is on the wire at this time, or starts then.
