@@ -1,4 +1,4 @@
-// Which adapter is this tab's: see claim.rs of the worker.
+// Which adapter is this tab's, and what is driven on it: see claim.rs and memory.rs of the worker.
 const none = { release() {} };
 let standing = Promise.resolve(none);
 
@@ -17,23 +17,103 @@ async function take(make, adapters) {
   if (names.length >= adapters) return null;
   let at = 0;
   while (names.includes(prefix + at)) at += 1;
-  return lock(prefix + at);
+  const release = await lock(prefix + at);
+  return release && { release, others: names.length };
+}
+
+// The file of another tab is not free: it stands for the other adapter.
+async function openIfFree(dir, name) {
+  try {
+    const file = await dir.getFileHandle(name, { create: true });
+    return await file.createSyncAccessHandle();
+  } catch {
+    return null;
+  }
+}
+
+// A tab that crashed holds its file for a moment longer.
+const BUSY_TRIES = 10;
+const BUSY_PAUSE_MS = 40;
+
+// What is driven on adapters of a make: one file of ours, and what the tabs that have ended left in theirs. So many
+// others are alive.
+async function openMemory(make, living) {
+  const root = await navigator.storage.getDirectory();
+  const dir = await root.getDirectoryHandle("motorlink-driven", { create: true });
+  const prefix = `${make.replaceAll(":", "-") || "port"}.`;
+  const names = [];
+  for await (const name of dir.keys()) if (name.startsWith(prefix)) names.push(name);
+  let next = 0;
+  while (names.includes(prefix + next)) next += 1;
+  const files = [];
+  let busy = names;
+  for (let tries = 1; ; tries += 1) {
+    const opened = await Promise.all(busy.map((name) => openIfFree(dir, name)));
+    busy = busy.filter((_, at) => !opened[at]);
+    files.push(...opened.filter(Boolean));
+    if (busy.length <= living || tries === BUSY_TRIES) break;
+    await new Promise((pause) => setTimeout(pause, BUSY_PAUSE_MS));
+  }
+  if (!files.length) files.push(await openIfFree(dir, prefix + next));
+  const found = files.map((file) => {
+    const bytes = new Uint8Array(file.getSize());
+    file.read(bytes, { at: 0 });
+    return bytes;
+  });
+  const [own, ...others] = files;
+  return {
+    found,
+    // Synchronous: what is written survives the end of the process.
+    write(bytes) {
+      if (own.write(bytes, { at: 0 }) < bytes.length) return false;
+      // Ours has it all now.
+      for (const file of others.splice(0)) {
+        file.truncate(0);
+        file.close();
+      }
+      return true;
+    },
+    close() {
+      for (const file of [own, ...others]) file.close();
+    },
+  };
+}
+
+// A browser whose files do not come is not waited for: a stop would wait too.
+const MEMORY_WITHIN_MS = 500;
+
+function memoryOf(make, living) {
+  const opened = openMemory(make, living).catch(() => null);
+  const late = new Promise((give) => setTimeout(give, MEMORY_WITHIN_MS, null));
+  return Promise.race([opened, late]).then((memory) => {
+    if (!memory) opened.then((memory) => memory?.close());
+    return memory;
+  });
 }
 
 async function claim(held, place) {
   const ports = place === undefined ? [] : await navigator.serial.getPorts();
-  const make = place in ports && makeOf(ports[place]);
-  if (make && make === held.make) return held;
+  const make = place in ports ? makeOf(ports[place]) : undefined;
+  if (make !== undefined && make === held.make) return held;
   held.release();
-  if (!make || !navigator.locks) return none;
-  const adapters = ports.filter((port) => makeOf(port) === make).length;
-  const release = await navigator.locks.request("adapters", () => take(make, adapters));
-  return release && { make, release };
+  if (make === undefined) return none;
+  let taken = { ...none, others: 0 };
+  if (make && navigator.locks) {
+    const adapters = ports.filter((port) => makeOf(port) === make).length;
+    taken = await navigator.locks.request("adapters", () => take(make, adapters));
+    if (!taken) return null;
+  }
+  const memory = await memoryOf(make, taken.others);
+  const release = () => {
+    memory?.close();
+    taken.release();
+  };
+  return { make, release, memory };
 }
 
+// Gives false where other tabs have all adapters of that make, else what remembers what is driven, if anything does.
 self.claimAdapter = async (place) => {
   const claimed = standing.then((held) => claim(held, place)).catch(() => none);
   standing = claimed.then((held) => held ?? none);
-  return (await claimed) !== null;
+  return ((await claimed) ?? { memory: false }).memory;
 };
-

@@ -35,6 +35,7 @@ fn failed_briefly(error: ConnectError) -> &'static str {
         ConnectError::AlreadyOpen => tr!("Already open: press Disconnect, then Connect"),
         ConnectError::Other => tr!("Replug the adapter, then press Connect"),
         ConnectError::OtherTab => tr!("Another MotorLink tab uses this adapter"),
+        ConnectError::Forbidden => tr!("The browser blocks serial ports for this page"),
     }
 }
 
@@ -92,6 +93,7 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
                 "Press Disconnect in that tab or close it, then press Connect here."
             )],
         ),
+        ConnectError::Forbidden => of_pick_trouble(PickTrouble::Forbidden),
     }
 }
 
@@ -192,6 +194,7 @@ mod tests {
             ConnectError::AlreadyOpen,
             ConnectError::Other,
             ConnectError::OtherTab,
+            ConnectError::Forbidden,
         ] {
             assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
             let (state, brief) = of_connection(Connection::Failed(error));

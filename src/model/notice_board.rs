@@ -69,6 +69,8 @@ pub(crate) enum Topic {
     Survey,
     /// The worker behind the page.
     Worker,
+    /// What is driven cannot be remembered.
+    Memory,
     /// The worker that keeps the log.
     Recorder,
     /// An export.

@@ -2,7 +2,7 @@
 
 use motorlink_i18n::{Language, tr};
 use motorlink_messages::{
-    Notice,
+    LineError, Notice,
     bus::{
         CommandKind, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason,
     },
@@ -83,16 +83,16 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             tr!("Adapter reconnected"),
             &[tr!("No motor starts until you press Start.")],
         ),
-        Notice::LineError => NoticeText::new(
-            Topic::Line,
+        Notice::NotRemembered => NoticeText::new(
+            Topic::Memory,
             Tone::Warning,
-            tr!("Corrupted bytes on the bus"),
+            tr!("This browser does not keep what is driven"),
             &[tr!(
-                "Check A and B for a loose wire. If the bus is longer than 1 m, add 120 Ω across A \
-                 and B."
+                "If the page or the browser crashes, the next page does not know which motors to stop. Keep the power \
+                 switch in reach."
             )],
-        )
-        .explained_at(HelpTopic::DamagedBytes),
+        ),
+        Notice::LineError { error, count } => of_line_error(*error, *count),
         // Other parts of the page show these.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }
@@ -278,11 +278,48 @@ fn named(ids: &[MotorId]) -> String {
     ids.join(", ")
 }
 
+fn of_line_error(error: LineError, count: u32) -> NoticeText {
+    let title = match error {
+        LineError::Break => tr!("Break on the bus: {count} since connecting", count),
+        LineError::Framing => tr!("Framing errors: {count} since connecting", count),
+        LineError::Parity => tr!("Parity errors: {count} since connecting", count),
+        LineError::Overrun => tr!("Received bytes lost: {count} times since connecting", count),
+        LineError::Other => tr!(
+            "Corrupted bytes on the bus: {count} since connecting",
+            count
+        ),
+    };
+    let advice = match error {
+        LineError::Overrun => tr!(
+            "The computer was too busy for the adapter. Close other programs and tabs, or lower the command rate."
+        ),
+        _ => tr!(
+            "Check A and B for a loose wire. If the bus is longer than 1 m, add 120 Ω across A and B."
+        ),
+    };
+    NoticeText::new(Topic::Line, Tone::Warning, title, &[advice])
+        .explained_at(HelpTopic::DamagedBytes)
+}
+
 fn of_stop(report: &StopReport) -> Option<NoticeText> {
     let motors = report.motors.iter().copied();
     let mut open = motors.filter(|motor| !motor.confirmed).peekable();
-    open.peek()?;
-    Some(of_unconfirmed(open))
+    if open.peek().is_some() {
+        return Some(of_unconfirmed(open));
+    }
+    (report.reason == StopReason::LeftDriven).then(|| of_left_driven(report))
+}
+
+/// Motors that were driven when a connection was lost were stopped, and have confirmed it.
+fn of_left_driven(report: &StopReport) -> NoticeText {
+    let ids: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
+    let title = match ids.as_slice() {
+        [id] => tr!("Motor {id} has been stopped", id),
+        ids => tr!("Motors {ids} have been stopped", ids = named(ids)),
+    };
+    let why = tr!("Running when the connection was lost. Standstill is confirmed now.");
+    NoticeText::new(Topic::Stop, Tone::Warning, title, &[why])
+        .explained_at(HelpTopic::StoppedByItself)
 }
 
 /// These motors have not reported standstill.

@@ -6,14 +6,15 @@
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
 use motorlink_bus::{
-    Command, CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, LineStatus, MotorStatus,
-    RawStatus, Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
+    Command, CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, LeftDriven, LineStatus,
+    MotorStatus, RawStatus, Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
 };
 use motorlink_protocol::{AssignableId, Instant, Mode, MotorId, family::Model};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
 mod awake_clock;
+mod left_behind;
 pub mod recorder;
 pub mod runs;
 pub mod sessions;
@@ -22,6 +23,7 @@ mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
 pub use awake_clock::AwakeClock;
+pub use left_behind::{Damaged, LeftBehind};
 pub use motorlink_bus as bus;
 pub use motorlink_experiments as experiments;
 pub use motorlink_protocol as protocol;
@@ -42,6 +44,8 @@ pub enum ToWorker {
         wanted: MotorId,
         /// The model of the motors.
         model: ModelChoice,
+        /// What the page knows to have been driven over this adapter by a worker that has ended: stopped first.
+        left: Vec<LeftDriven>,
     },
     /// Open the built-in virtual line, with these motors on it.
     ConnectVirtual(VirtualLine),
@@ -192,6 +196,8 @@ pub enum ConnectError {
     Other,
     /// Another tab of this page has the adapter, and all others of its make.
     OtherTab,
+    /// The browser forbids serial ports to this page.
+    Forbidden,
 }
 
 /// Something that a person should know of.
@@ -273,8 +279,30 @@ pub enum Notice {
     },
     /// The adapter is back; nothing drives.
     AdapterBack,
-    /// The browser reported a framing, parity, break or overrun error; the port lives on.
-    LineError,
+    /// The browser reported an error of the line; the port lives on.
+    LineError {
+        /// What it reported last.
+        error: LineError,
+        /// How often such errors came since the port was opened.
+        count: u32,
+    },
+    /// The browser does not keep what is driven: after a crash of the page the motors that were driven are not known.
+    NotRemembered,
+}
+
+/// An error of the line that the browser reports. The port lives on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LineError {
+    /// The line was low for longer than a byte.
+    Break,
+    /// A byte without its stop bit.
+    Framing,
+    /// A byte with a wrong parity bit.
+    Parity,
+    /// Bytes came faster than the adapter or the browser took them.
+    Overrun,
+    /// Another one.
+    Other,
 }
 
 /// The bytes of a message.
@@ -327,6 +355,7 @@ mod tests {
             }],
             wanted: id,
             model: ModelChoice::default(),
+            left: vec![LeftDriven { id, mode: None }],
         });
         let outcome = StopOutcome {
             id,

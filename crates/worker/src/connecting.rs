@@ -7,24 +7,35 @@
 use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use motorlink_bus::{Command, Refusal, StopReason};
-use motorlink_messages::{Adapter, ConnectError, Notice, PortRef, ToWorker, VirtualLine};
-use motorlink_protocol::{MotorId, family::Model};
+use motorlink_bus::{Bus, Command, LeftDriven, Refusal, StopReason};
+use motorlink_messages::{
+    Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
+};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
     claim::{claim, release_claim},
     line::Line,
-    port_owner::Shared,
-    serial::{self, ReadEnd, ReadEvent, SharedInFlight},
+    line_errors::LineErrors,
+    memory::Memory,
+    port_owner::{PortOwner, Shared},
+    serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
     session::{AfterClosing, OpenSession, Session, Stage},
-    trial::{DetectedModel, Superseded, detected_model, wanted_motor_replies},
+    trial::{
+        DetectedModel, Superseded, any_motor_replies, detected_model, left_motor_turns,
+        wanted_motor_replies,
+    },
 };
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
 const REOPEN_TRIES: u32 = 10;
 /// Pause between two tries.
 const REOPEN_PAUSE: Duration = Duration::from_millis(300);
+/// How long the claim of an adapter is tried again: a tab that was killed or reloaded holds it for a moment longer.
+const CLAIM_WITHIN: Duration = Duration::from_millis(500);
+/// Pause between two claims.
+const CLAIM_PAUSE: Duration = Duration::from_millis(40);
 
 /// Stops the motors, closes the port, and then does what `then` asks.
 pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
@@ -66,8 +77,17 @@ fn close(shared: &Shared, then: AfterClosing) {
                 candidates,
                 wanted,
                 model,
+                left,
             }) => {
-                shared.borrow_mut().model = model;
+                {
+                    let mut owner = shared.borrow_mut();
+                    owner.model = model;
+                    owner.left.foreign.clear();
+                    let usb = candidates.first().and_then(|port| port.usb);
+                    let model = model.model;
+                    let motors = left;
+                    owner.left.add(usb, LeftBehind { model, motors });
+                }
                 open_serial(&shared, candidates, wanted).await;
             }
             _ => {}
@@ -94,8 +114,13 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
         let now = owner.now();
         match (&mut owner.session, event) {
             (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
-            (_, ReadEvent::LineError) => owner.outbox.notice(Notice::LineError),
-            (_, ReadEvent::Bytes(_)) => {}
+            (Session::Open(open), ReadEvent::LineError(error)) => {
+                let count = open.line_errors.count(now);
+                if let Some(count) = count {
+                    owner.outbox.notice(Notice::LineError { error, count });
+                }
+            }
+            (_, ReadEvent::Bytes(_) | ReadEvent::LineError(_)) => {}
         }
     }
     pump(shared);
@@ -112,6 +137,8 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
             stage: Stage::Settled,
             reader: None,
             id_query: None,
+            memory: Memory::default(),
+            line_errors: LineErrors::default(),
         };
         owner.begin_session(Session::Open(Box::new(open)));
     }
@@ -127,52 +154,305 @@ enum IfNoReply {
     KeepWaiting,
 }
 
+/// What is done on a candidate with the motors that an earlier connection left driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LeftMotors {
+    /// They are stopped at once if they can be on no other adapter, else asked.
+    Find,
+    /// They are stopped at once: all other adapters of this make were asked.
+    Stop,
+    /// Nothing: they did not answer here.
+    Leave,
+}
+
+/// A port that is open on trial.
+#[derive(Clone, Copy, Debug)]
+struct Opened {
+    generation: u32,
+    /// What is to be found out about the motors that were left driven.
+    left: LeftOnTrial,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LeftOnTrial {
+    /// There are none.
+    None,
+    /// They are being stopped.
+    Stopped,
+    /// They are only asked: they may be on another adapter of this make.
+    Asked,
+}
+
+/// An attempt to open a port.
+#[derive(Clone, Copy)]
+struct Attempt<'a> {
+    shared: &'a Shared,
+    /// The motor that the page would like to find.
+    wanted: MotorId,
+    /// The adapter that was unplugged, if this is a reconnect.
+    lost: Option<Adapter>,
+    if_no_reply: IfNoReply,
+    began: Instant,
+}
+
 /// Opens the first candidate on which the wanted motor replies, or else the first that opens.
 pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
-    let failure = open_any(shared, candidates, wanted, None, IfNoReply::TakeFirst).await;
-    if let Ok(Some(failure)) = failure {
+    let attempt = Attempt {
+        shared,
+        wanted,
+        lost: None,
+        if_no_reply: IfNoReply::TakeFirst,
+        began: shared.borrow().now(),
+    };
+    if let Ok(Some(failure)) = attempt.open_any(candidates).await {
         begin(shared, Session::Failed(failure));
         release_claim();
     }
 }
 
-/// Tries the candidates in turn. Returns the error if none is open at the end. `lost` is the adapter
-/// that was unplugged, if this is a reconnect.
-async fn open_any(
-    shared: &Shared,
-    candidates: Vec<PortRef>,
-    wanted: MotorId,
-    lost: Option<Adapter>,
-    if_no_reply: IfNoReply,
-) -> Result<Option<ConnectError>, Superseded> {
-    let mut generation = begin(shared, Session::Opening { lost });
-    let mut first_that_opens = None;
-    let mut failure = ConnectError::PortGone;
-    let alone = candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst;
-    for candidate in candidates {
-        match open_as_detected(shared, generation, candidate, lost).await? {
-            Err(error) => failure = error,
-            Ok(opened) => {
-                generation = opened;
-                if alone || wanted_motor_replies(shared, generation, wanted).await? {
-                    settle(shared, lost);
+impl Attempt<'_> {
+    /// Tries the candidates in turn. Returns the error if none is open at the end.
+    ///
+    /// Motors that were left driven are stopped first. Where several adapters are alike, all of them are asked which one
+    /// has a motor that turns, and nothing but queries goes out before that is known.
+    async fn open_any(self, candidates: Vec<PortRef>) -> Result<Option<ConnectError>, Superseded> {
+        let lost = self.lost;
+        let mut generation = begin(self.shared, Session::Opening { lost });
+        let mut first_that_opens = None;
+        let mut first_that_fits = None;
+        let mut failure = ConnectError::PortGone;
+        let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
+        let alone = candidates.len() < 2 && takes_first;
+        for candidate in candidates {
+            match self
+                .open_as_detected(generation, candidate, LeftMotors::Find)
+                .await?
+            {
+                Err(error) => failure = error,
+                Ok(opened) => {
+                    generation = opened.generation;
+                    let asked = opened.left == LeftOnTrial::Asked;
+                    if asked && left_motor_turns(self.shared, generation).await? {
+                        self.stop_left();
+                        self.settle();
+                        return Ok(None);
+                    }
+                    let is_wanted = (alone && !asked)
+                        || wanted_motor_replies(self.shared, generation, self.wanted).await?;
+                    if is_wanted && !asked {
+                        self.settle();
+                        return Ok(None);
+                    }
+                    first_that_opens.get_or_insert(candidate);
+                    if is_wanted {
+                        first_that_fits.get_or_insert(candidate);
+                    }
+                    generation = close_trial(self.shared, lost).await;
+                }
+            }
+        }
+        let taken = first_that_fits.or(first_that_opens.filter(|_| takes_first));
+        if let Some(candidate) = taken {
+            let left = if first_that_fits.is_some() {
+                LeftMotors::Stop
+            } else {
+                LeftMotors::Leave
+            };
+            match self.open_as_detected(generation, candidate, left).await? {
+                Ok(_) => {
+                    self.settle();
                     return Ok(None);
                 }
-                first_that_opens.get_or_insert(candidate);
-                generation = close_trial(shared, lost).await;
+                Err(error) => failure = error,
             }
         }
+        Ok(Some(failure))
     }
-    if let Some(candidate) = first_that_opens.filter(|_| if_no_reply == IfNoReply::TakeFirst) {
-        match open_as_detected(shared, generation, candidate, lost).await? {
-            Ok(_) => {
-                settle(shared, lost);
-                return Ok(None);
+
+    /// Opens one port on trial. If motors were left driven on an adapter of this make, it opens for their model, and they
+    /// are the first that are asked or stopped. Else it opens for the model that its motors answer as, if detection is on.
+    /// If it is off, or no motor answers, it opens for the model that the person has chosen.
+    async fn open_as_detected(
+        self,
+        mut generation: u32,
+        candidate: PortRef,
+        left: LeftMotors,
+    ) -> Result<Result<Opened, ConnectError>, Superseded> {
+        let shared = self.shared;
+        if !self.claim(generation, candidate).await? {
+            return Ok(Err(ConnectError::OtherTab));
+        }
+        let left_model = shared.borrow().left.model(candidate.usb);
+        if let Some(model) = left_model.filter(|_| left != LeftMotors::Leave) {
+            let opened = match self.open_one(generation, candidate, model, left).await? {
+                Err(error) => return Ok(Err(error)),
+                Ok(opened) => opened,
+            };
+            if opened.left == LeftOnTrial::Asked
+                || any_motor_replies(shared, opened.generation).await?
+            {
+                shared.borrow_mut().model.model = model;
+                return Ok(Ok(opened));
             }
-            Err(error) => failure = error,
+            // They may be without power, and other motors may be here.
+            generation = close_trial(shared, self.lost).await;
+        }
+        let choice = shared.borrow().model;
+        let mut tried = Vec::new();
+        let mut next = Some(choice.model).filter(|_| choice.detect);
+        while let Some(model) = next {
+            match self
+                .open_one(generation, candidate, model, LeftMotors::Leave)
+                .await?
+            {
+                Err(error) => return Ok(Err(error)),
+                Ok(opened) => generation = opened.generation,
+            }
+            tried.push(model);
+            let detected = match detected_model(shared, generation).await? {
+                DetectedModel::Own => {
+                    shared.borrow_mut().model.model = model;
+                    let left = LeftOnTrial::None;
+                    return Ok(Ok(Opened { generation, left }));
+                }
+                DetectedModel::Other(model) => Some(model),
+                DetectedModel::Unknown => None,
+            };
+            let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
+            let untried = |model: &Model| {
+                let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
+                !tried.iter().any(same_baud)
+            };
+            next = detected
+                .filter(|model| !tried.contains(model))
+                .or_else(|| of_either_baud.into_iter().find(untried));
+            generation = close_trial(shared, self.lost).await;
+        }
+        self.open_one(generation, candidate, choice.model, LeftMotors::Leave)
+            .await
+    }
+
+    /// Claims the adapter, and learns what workers that have ended left driven on it. Returns false if other tabs have it.
+    async fn claim(self, generation: u32, candidate: PortRef) -> Result<bool, Superseded> {
+        loop {
+            let claimed = claim(candidate.place).await;
+            {
+                let mut owner = self.shared.borrow_mut();
+                if owner.generation != generation {
+                    return Err(Superseded);
+                }
+                if let Some(mut memory) = claimed {
+                    if let Some(found) = memory.take_found() {
+                        owner.left.add(candidate.usb, found);
+                    }
+                    return Ok(true);
+                }
+                if owner.now().since(self.began) > CLAIM_WITHIN {
+                    return Ok(false);
+                }
+            }
+            sleep(CLAIM_PAUSE).await;
         }
     }
-    Ok(Some(failure))
+
+    /// Opens one port on trial and starts reading it.
+    async fn open_one(
+        self,
+        generation: u32,
+        candidate: PortRef,
+        model: Model,
+        left: LeftMotors,
+    ) -> Result<Result<Opened, ConnectError>, Superseded> {
+        let shared = self.shared;
+        let again = || {
+            let owner = shared.borrow();
+            owner.generation == generation && owner.now().since(self.began) < serial::REOPEN_WITHIN
+        };
+        let (memory, opened) = match claim(candidate.place).await {
+            Some(memory) => (memory, serial::open(candidate, model, again).await),
+            None => (Memory::default(), Err(ConnectError::OtherTab)),
+        };
+        if shared.borrow().generation != generation {
+            if let Ok(line) = opened {
+                serial::close(line, None).await;
+            }
+            return Err(Superseded);
+        }
+        let line = match opened {
+            Ok(line) => line,
+            Err(error) => return Ok(Err(error)),
+        };
+        let (port, in_flight) = (line.port(), line.in_flight());
+        let (bus, left) = self.new_bus(&line, model, left);
+        let open = OpenSession {
+            line: Line::Serial(line),
+            bus,
+            stage: Stage::OnTrial { lost: self.lost },
+            reader: None,
+            id_query: None,
+            memory,
+            line_errors: LineErrors::default(),
+        };
+        let generation = begin(shared, Session::Open(Box::new(open)));
+        spawn_local(read(Rc::clone(shared), generation, port, in_flight));
+        Ok(Ok(Opened { generation, left }))
+    }
+
+    /// The bus for a port on trial, with the stop of the motors that were left driven as its first act.
+    fn new_bus(self, line: &SerialLine, model: Model, how: LeftMotors) -> (Bus, LeftOnTrial) {
+        let mut owner = self.shared.borrow_mut();
+        let now = owner.now();
+        let mut bus = owner.new_bus(model, None).on_trial();
+        let is_alone = || owner.left.are_foreign(&line.others_of_make);
+        let stops = match how {
+            LeftMotors::Find => is_alone(),
+            LeftMotors::Stop => true,
+            LeftMotors::Leave => return (bus, LeftOnTrial::None),
+        };
+        let left = if stops {
+            bus.stop_first(now, owner.left.take(line.usb()));
+            LeftOnTrial::Stopped
+        } else {
+            for LeftDriven { id, .. } in owner.left.of(line.usb()) {
+                // Not refused while nothing drives.
+                let _: Result<(), Refusal> = bus.command(now, Command::Watch(id));
+            }
+            LeftOnTrial::Asked
+        };
+        (bus, left)
+    }
+
+    /// Stops the motors that were left driven: they answer on this port.
+    fn stop_left(self) {
+        let mut owner = self.shared.borrow_mut();
+        let now = owner.now();
+        let PortOwner { session, left, .. } = &mut *owner;
+        if let Session::Open(open) = session {
+            open.bus.stop_first(now, left.take(open.usb()));
+        }
+    }
+
+    /// Ends the trial: the page may drive from now on, if the port is still open.
+    fn settle(self) {
+        {
+            let mut owner = self.shared.borrow_mut();
+            let now = owner.now();
+            if let Session::Open(open) = &mut owner.session
+                && let Stage::OnTrial { .. } = open.stage
+            {
+                open.stage = Stage::Settled;
+                open.bus.end_trial(now);
+                if let Some(outcome) = open.id_query.take() {
+                    owner.outbox.notice(Notice::IdQueryEnded(outcome));
+                }
+            }
+            if self.lost.is_some() {
+                owner.outbox.notice(Notice::AdapterBack);
+            }
+            owner.outbox.touch();
+        }
+        pump(self.shared);
+    }
 }
 
 /// Handles a plugged-in adapter: if it may be the one that was unplugged, it is opened again. That
@@ -196,16 +476,23 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
             if !matches!(shared.borrow().session, Session::Lost(_)) {
                 return;
             }
-            let refs = (0_u16..)
-                .zip(&ports)
-                .map(|(place, port)| (place, serial::usb_of(port)));
-            let candidates: Vec<_> = refs
-                .filter(|(_, found)| *found == usb)
-                .map(|(place, usb)| PortRef { place, usb })
-                .collect();
+            let candidates: Vec<_> = {
+                let owner = shared.borrow();
+                let of_make = (0_u16..).zip(&ports).filter(|(_, port)| {
+                    // A replugged adapter is another object: one that was there before is another adapter.
+                    serial::usb_of(port) == usb && !owner.left.is_foreign(port)
+                });
+                of_make.map(|(place, _)| PortRef { place, usb }).collect()
+            };
             if !candidates.is_empty() {
-                let wanted = shared.borrow().selected;
-                match open_any(&shared, candidates, wanted, Some(lost), if_no_reply).await {
+                let attempt = Attempt {
+                    shared: &shared,
+                    wanted: shared.borrow().selected,
+                    lost: Some(lost),
+                    if_no_reply,
+                    began: shared.borrow().now(),
+                };
+                match attempt.open_any(candidates).await {
                     Ok(Some(_)) => _ = begin(&shared, Session::Lost(lost)),
                     Ok(None) | Err(Superseded) => return,
                 }
@@ -219,81 +506,6 @@ fn begin(shared: &Shared, session: Session) -> u32 {
     let (_, generation) = shared.borrow_mut().begin_session(session);
     pump(shared);
     generation
-}
-
-/// Opens one port on trial for the model that its motors answer as, if detection is on. If it is off, or no motor
-/// answers, opens it for the model that the person has chosen.
-async fn open_as_detected(
-    shared: &Shared,
-    mut generation: u32,
-    candidate: PortRef,
-    lost: Option<Adapter>,
-) -> Result<Result<u32, ConnectError>, Superseded> {
-    let choice = shared.borrow().model;
-    let mut tried = Vec::new();
-    let mut next = Some(choice.model).filter(|_| choice.detect);
-    while let Some(model) = next {
-        match open_one(shared, generation, candidate, model, lost).await? {
-            Err(error) => return Ok(Err(error)),
-            Ok(opened) => generation = opened,
-        }
-        tried.push(model);
-        let detected = match detected_model(shared, generation).await? {
-            DetectedModel::Own => {
-                shared.borrow_mut().model.model = model;
-                return Ok(Ok(generation));
-            }
-            DetectedModel::Other(model) => Some(model),
-            DetectedModel::Unknown => None,
-        };
-        let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
-        let untried = |model: &Model| {
-            let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
-            !tried.iter().any(same_baud)
-        };
-        next = detected
-            .filter(|model| !tried.contains(model))
-            .or_else(|| of_either_baud.into_iter().find(untried));
-        generation = close_trial(shared, lost).await;
-    }
-    open_one(shared, generation, candidate, choice.model, lost).await
-}
-
-/// Opens one port on trial and starts reading it. Returns the number of its session.
-async fn open_one(
-    shared: &Shared,
-    generation: u32,
-    candidate: PortRef,
-    model: Model,
-    lost: Option<Adapter>,
-) -> Result<Result<u32, ConnectError>, Superseded> {
-    let opened = if claim(candidate.place).await {
-        serial::open(candidate, model).await
-    } else {
-        Err(ConnectError::OtherTab)
-    };
-    if shared.borrow().generation != generation {
-        if let Ok(line) = opened {
-            serial::close(line, None).await;
-        }
-        return Err(Superseded);
-    }
-    let line = match opened {
-        Ok(line) => line,
-        Err(error) => return Ok(Err(error)),
-    };
-    let (port, in_flight) = (line.port(), line.in_flight());
-    let bus = shared.borrow().new_bus(model, None).on_trial();
-    let open = OpenSession {
-        line: Line::Serial(line),
-        bus,
-        stage: Stage::OnTrial { lost },
-        reader: None,
-        id_query: None,
-    };
-    let generation = begin(shared, Session::Open(Box::new(open)));
-    spawn_local(read(Rc::clone(shared), generation, port, in_flight));
-    Ok(Ok(generation))
 }
 
 /// Reads a port until its session ends.
@@ -340,24 +552,6 @@ async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
     generation
 }
 
-/// Ends the trial: the page may drive from now on, if the port is still open.
-fn settle(shared: &Shared, lost: Option<Adapter>) {
-    {
-        let mut owner = shared.borrow_mut();
-        let now = owner.now();
-        if let Session::Open(open) = &mut owner.session
-            && let Stage::OnTrial { .. } = open.stage
-        {
-            open.stage = Stage::Settled;
-            open.bus.end_trial(now);
-            if let Some(outcome) = open.id_query.take() {
-                owner.outbox.notice(Notice::IdQueryEnded(outcome));
-            }
-        }
-        if lost.is_some() {
-            owner.outbox.notice(Notice::AdapterBack);
-        }
-        owner.outbox.touch();
-    }
-    pump(shared);
-}
+#[cfg(test)]
+#[path = "connecting_tests.rs"]
+mod tests;

@@ -12,6 +12,10 @@
 //! | `port_owner` | the state of the port worker: the session, the bus, and what happens to commands and events |
 //! | `connecting` | opening, trying and reopening serial ports |
 //! | `claim` | claims an adapter for this tab |
+//! | `memory` | remembers what is driven beyond the end of the worker |
+//! | `mock_serial` | serial ports for tests, with virtual motors |
+//! | `left` | motors that were left driven on adapters that are not open |
+//! | `line_errors` | counts errors of the line |
 //! | `session` | the state of the port |
 //! | `forwarding` | forwards the events of the bus to the page |
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
@@ -33,8 +37,13 @@ mod blob_parts;
 mod claim;
 mod connecting;
 mod forwarding;
+mod left;
 mod line;
+mod line_errors;
 mod local_time;
+mod memory;
+#[cfg(test)]
+mod mock_serial;
 mod outbox;
 mod port_owner;
 mod recorder;
@@ -53,7 +62,7 @@ use motorlink_messages::ToPage;
 
 /// Starts the worker that owns the port. Called in the scope of a dedicated worker.
 pub fn start_worker() {
-    // The loop has ended: no frame is sent any more, and the wheel coasts. The page has to show that.
+    // The loop has ended: no frame is sent any more, and a wheel may turn on. The page starts another worker that stops it.
     on_panic(|| scope::post(&ToPage::Died));
     start::start();
 }

@@ -2,8 +2,8 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output, Refusal};
-use motorlink_messages::{ModelChoice, Notice, VirtualLine};
+use motorlink_bus::{Bus, BusSettings, Command, Event, Output, Refusal};
+use motorlink_messages::{LeftBehind, ModelChoice, Notice, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use web_sys::MessagePort;
@@ -12,6 +12,8 @@ use crate::{
     alarm::Alarm,
     claim::release_claim,
     forwarding::forward,
+    left::Left,
+    line::Line,
     outbox::{CurrentState, Outbox},
     runs::host::Runs,
     scope::Clock,
@@ -38,6 +40,10 @@ pub(crate) struct PortOwner {
     /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
     pub(crate) runs: Runs,
+    /// What was left driven on adapters that are not open.
+    pub(crate) left: Left,
+    /// Whether the page was told that what is driven cannot be remembered.
+    told_not_remembered: bool,
     /// How far our clock is ahead of the page's, by the message with the least delay so far.
     ahead_of_page_ms: f64,
 }
@@ -59,6 +65,8 @@ impl PortOwner {
             model: ModelChoice::default(),
             halted: false,
             runs: Runs::default(),
+            left: Left::default(),
+            told_not_remembered: false,
             ahead_of_page_ms: f64::INFINITY,
         }
     }
@@ -110,11 +118,16 @@ impl PortOwner {
                 }
             }
             self.traffic.send_soon();
+            if let Line::Serial(line) = &open.line {
+                let motors: Vec<_> = open.bus.left_driven().collect();
+                let model = open.bus.model();
+                self.left.add(line.usb(), LeftBehind { model, motors });
+            }
         }
         (left, self.generation)
     }
 
-    /// Handles the loss of the adapter: the driven motors coast, and the worker waits for the adapter.
+    /// Handles the loss of the adapter: the driven motors may turn on, and the worker waits for the adapter to stop them.
     ///
     /// If the port was being closed, returns what to do after closing.
     pub(crate) fn adapter_lost(&mut self) -> Option<AfterClosing> {
@@ -127,23 +140,20 @@ impl PortOwner {
             Stage::OnTrial { .. } | Stage::Settled => None,
         };
         let adapter = open.line.adapter();
-        let moved = |activity| !matches!(activity, Activity::Idle);
-        let driven = open
-            .bus
-            .motors(now)
-            .filter(|m| moved(m.activity))
-            .map(|m| m.id)
-            .collect();
+        let driven = open.bus.left_driven().map(|motor| motor.id).collect();
+        if let Line::Serial(line) = &mut open.line {
+            self.left.foreign = std::mem::take(&mut line.others_of_make);
+        }
         self.outbox.notice(Notice::AdapterLost { driven });
         self.runs.closed(now, Input::Unplugged, self.settings);
-        // It is claimed again when it is back.
-        release_claim();
         let waiting = if leaving.is_some() {
             Session::Closed
         } else {
             Session::Lost(adapter)
         };
         self.begin_session(waiting);
+        // It is claimed again when it is back.
+        release_claim();
         leaving
     }
 
@@ -164,6 +174,11 @@ impl PortOwner {
                 let output = open.bus.poll(now);
                 if let Output::Event(event) = &output {
                     self.runs.event(now, event, &mut open.bus, settings);
+                }
+                // Before the frame: a process that is killed behind it leaves a file that names the motor.
+                if !open.remember(&self.left) && !self.told_not_remembered {
+                    self.told_not_remembered = true;
+                    self.outbox.notice(Notice::NotRemembered);
                 }
                 match output {
                     Output::Transmit(frame) if open.line.write(now, frame) => {

@@ -2,14 +2,17 @@
 
 use std::{
     cell::{Cell, RefCell},
+    future::{Future, poll_fn},
+    pin::pin,
     rc::Rc,
+    task::Poll,
     time::Duration,
 };
 
 use gloo_timers::future::sleep;
-use js_sys::{Promise, Reflect, Uint8Array};
+use js_sys::{Object, Promise, Reflect, Uint8Array};
 use motorlink_bus::InFlight;
-use motorlink_messages::{ConnectError, PortRef, UsbId};
+use motorlink_messages::{ConnectError, LineError, PortRef, UsbId};
 use motorlink_protocol::{Frame, Instant, family::Model};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
@@ -23,9 +26,18 @@ use crate::scope::{global, report};
 /// The browser's receive buffer; its default of 255 bytes holds three chunks of a busy adapter.
 const BUFFER_BYTES: u32 = 16_384;
 
-/// Tries to open a port that is still being closed. Closing takes 4 ms.
-const REOPEN_TRIES: u32 = 20;
-const REOPEN_PAUSE: Duration = Duration::from_millis(20);
+/// How long a port that does not open is tried again before the causes are named. After a reload, a crash or a replug
+/// the system holds it for about a second (betaflight-configurator#5109, WICG/serial#156).
+pub(crate) const REOPEN_WITHIN: Duration = Duration::from_secs(2);
+/// Pause between two tries. Closing a port takes 4 ms.
+const REOPEN_PAUSE: Duration = Duration::from_millis(40);
+/// How long a port that is closed is waited for. Closing takes 4 ms; after a sleep of the computer some drivers never
+/// end a read (themactep/thingino-firmware#1595).
+const CLOSE_WITHIN: Duration = Duration::from_millis(500);
+/// How long a port may be without a stream after an error of the line: 0 to 50 ms (espressif/esptool-js#230).
+const RENEWED_WITHIN: Duration = Duration::from_millis(200);
+/// How often to look for it.
+const RENEWED_STEP: Duration = Duration::from_millis(5);
 
 /// An open port.
 pub(crate) struct SerialLine {
@@ -33,6 +45,8 @@ pub(crate) struct SerialLine {
     writer: Option<Writer>,
     in_flight: SharedInFlight,
     usb: Option<UsbId>,
+    /// The other ports of the same make when it was opened.
+    pub(crate) others_of_make: Vec<SerialPort>,
     /// The model of the motors, which decides the baud rate.
     model: Model,
 }
@@ -87,8 +101,8 @@ pub(crate) enum ReadEnd {
 pub(crate) enum ReadEvent<'a> {
     /// Bytes came.
     Bytes(&'a [u8]),
-    /// A break, framing, parity or overrun error. The port stays open.
-    LineError,
+    /// An error of the line. The port stays open.
+    LineError(LineError),
 }
 
 /// `navigator.serial`, where the browser has it in workers.
@@ -111,7 +125,7 @@ pub(crate) async fn ports() -> Result<Vec<SerialPort>, ConnectError> {
     let serial = serial().ok_or(ConnectError::NoWebSerial)?;
     let ports = JsFuture::from(serial.get_ports())
         .await
-        .map_err(|error| other(&error))?;
+        .map_err(|error| open_error(&error))?;
     let ports = js_sys::Array::from(ports.as_ref());
     Ok(ports.iter().map(JsCast::unchecked_into).collect())
 }
@@ -125,29 +139,39 @@ pub(crate) fn usb_of(port: &SerialPort) -> Option<UsbId> {
     })
 }
 
-/// Opens the port that the page has chosen, at the baud rate of this model.
-pub(crate) async fn open(wanted: PortRef, model: Model) -> Result<SerialLine, ConnectError> {
-    let ports = ports().await?;
-    let port = ports
-        .get(usize::from(wanted.place))
-        .filter(|port| usb_of(port) == wanted.usb)
-        .ok_or(ConnectError::PortGone)?
-        .clone();
+/// Opens the port that the page has chosen, at the baud rate of this model. A port that does not open is tried again
+/// while `again` returns true.
+pub(crate) async fn open(
+    wanted: PortRef,
+    model: Model,
+    again: impl Fn() -> bool,
+) -> Result<SerialLine, ConnectError> {
     let options = SerialOptions::new(model.spec().baud);
     options.set_buffer_size(BUFFER_BYTES);
-    let mut tries = 0;
     loop {
-        match JsFuture::from(port.open(&options)).await {
-            Ok(_) => break,
-            // It is still being closed after an earlier session.
-            Err(error) if is_open_already(&error) && tries < REOPEN_TRIES => {
-                tries += 1;
-                sleep(REOPEN_PAUSE).await;
+        let ports = ports().await?;
+        let port = ports
+            .get(usize::from(wanted.place))
+            .filter(|port| usb_of(port) == wanted.usb)
+            .ok_or(ConnectError::PortGone)?
+            .clone();
+        let error = match JsFuture::from(port.open(&options)).await {
+            Ok(_) => {
+                let is_other =
+                    |other: &SerialPort| usb_of(other) == wanted.usb && !Object::is(other, &port);
+                return Ok(SerialLine {
+                    others_of_make: ports.into_iter().filter(is_other).collect(),
+                    ..SerialLine::new(port.clone(), model)
+                });
             }
-            Err(error) => return Err(open_error(&error)),
+            Err(error) => open_error(&error),
+        };
+        let may_open_soon = matches!(error, ConnectError::OpenFailed | ConnectError::AlreadyOpen);
+        if !may_open_soon || !again() {
+            return Err(error);
         }
+        sleep(REOPEN_PAUSE).await;
     }
-    Ok(SerialLine::new(port, model))
 }
 
 impl SerialLine {
@@ -161,6 +185,7 @@ impl SerialLine {
             usb: usb_of(&port),
             writer: None,
             in_flight: SharedInFlight::default(),
+            others_of_make: Vec::new(),
             port,
         }
     }
@@ -243,18 +268,29 @@ pub(crate) async fn read(
         }
         let ended = read_stream(&reader, &on_event).await;
         reader.release_lock();
-        match ended {
-            Ok(()) => {
-                wanted(None);
+        let Err(error) = ended else {
+            wanted(None);
+            return ReadEnd::Closed;
+        };
+        // After a line error there is a new stream, at once or soon; after an unplug there is none.
+        let is_unplugged = name_of(&error) == "NetworkError";
+        let mut left = RENEWED_WITHIN.as_millis() / RENEWED_STEP.as_millis();
+        while readable(&port).is_none() && !is_unplugged && left > 0 {
+            if !wanted(None) {
                 return ReadEnd::Closed;
             }
-            // After a line error there is a new stream; after an unplug there is none.
-            Err(_) if readable(&port).is_some() => on_event(ReadEvent::LineError),
-            Err(_) => {}
+            sleep(RENEWED_STEP).await;
+            left -= 1;
+        }
+        if readable(&port).is_some() {
+            on_event(ReadEvent::LineError(line_error(&error)));
         }
     }
-    wanted(None);
-    ReadEnd::Lost
+    if wanted(None) {
+        ReadEnd::Lost
+    } else {
+        ReadEnd::Closed
+    }
 }
 
 /// Bytes copied out of the browser at a time: three frames with their echoes.
@@ -319,14 +355,28 @@ fn deliver_bytes(bytes: &Uint8Array, on_event: &dyn Fn(ReadEvent)) {
     }
 }
 
-/// Closes a port: reader cancelled, locks released, then the port itself.
+/// Closes a port: reader cancelled, locks released, then the port itself. Each is waited for within a bound.
 pub(crate) async fn close(mut line: SerialLine, reader: Option<ReadableStreamDefaultReader>) {
-    if let Some(reader) = reader {
-        let _ = JsFuture::from(reader.cancel()).await;
+    if let Some(reader) = reader
+        && within(CLOSE_WITHIN, reader.cancel()).await.is_none()
+    {
+        // A port with a locked stream does not close.
+        reader.release_lock();
     }
     line.release();
     // It fails if the adapter is gone; then there is nothing to close.
-    let _ = JsFuture::from(line.port.close()).await;
+    within(CLOSE_WITHIN, line.port.close().unchecked_into()).await;
+}
+
+/// The result of a promise, or `None` if it does not settle in this time.
+async fn within(limit: Duration, promise: Promise) -> Option<Result<JsValue, JsValue>> {
+    let mut settled = pin!(JsFuture::from(promise));
+    let mut late = pin!(sleep(limit));
+    poll_fn(|context| match settled.as_mut().poll(context) {
+        Poll::Ready(result) => Poll::Ready(Some(result)),
+        Poll::Pending => late.as_mut().poll(context).map(|()| None),
+    })
+    .await
 }
 
 /// `port.readable`, which is null once the adapter is gone or the port is closed.
@@ -339,19 +389,27 @@ fn writable(port: &SerialPort) -> Option<WritableStream> {
     Reflect::get(port, &"writable".into()).ok()?.dyn_into().ok()
 }
 
-fn is_open_already(error: &JsValue) -> bool {
-    matches!(open_error(error), ConnectError::AlreadyOpen)
+fn name_of(error: &JsValue) -> String {
+    let error = error.dyn_ref::<DomException>();
+    error.map(DomException::name).unwrap_or_default()
 }
 
 fn open_error(error: &JsValue) -> ConnectError {
-    match error
-        .dyn_ref::<DomException>()
-        .map(DomException::name)
-        .as_deref()
-    {
-        Some("NetworkError") => ConnectError::OpenFailed,
-        Some("InvalidStateError") => ConnectError::AlreadyOpen,
+    match name_of(error).as_str() {
+        "NetworkError" => ConnectError::OpenFailed,
+        "InvalidStateError" => ConnectError::AlreadyOpen,
+        "SecurityError" | "NotAllowedError" => ConnectError::Forbidden,
         _ => other(error),
+    }
+}
+
+fn line_error(error: &JsValue) -> LineError {
+    match name_of(error).as_str() {
+        "BreakError" => LineError::Break,
+        "FramingError" => LineError::Framing,
+        "ParityError" => LineError::Parity,
+        "BufferOverrunError" => LineError::Overrun,
+        _ => LineError::Other,
     }
 }
 

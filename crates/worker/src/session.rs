@@ -1,11 +1,11 @@
 //! The state of the port.
 
 use motorlink_bus::{Bus, IdQueryOutcome};
-use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
+use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker, UsbId};
 use motorlink_protocol::{Instant, MotorId};
 use web_sys::ReadableStreamDefaultReader;
 
-use crate::{line::Line, serial};
+use crate::{left::Left, line::Line, line_errors::LineErrors, memory::Memory, serial};
 
 /// The state of the port.
 pub(crate) enum Session {
@@ -53,6 +53,9 @@ pub(crate) struct OpenSession {
     pub(crate) reader: Option<ReadableStreamDefaultReader>,
     /// The outcome of the ID query during the trial, for the page once the port is settled.
     pub(crate) id_query: Option<IdQueryOutcome>,
+    /// Remembers what is driven.
+    pub(crate) memory: Memory,
+    pub(crate) line_errors: LineErrors,
 }
 
 /// What to do after a port is closed: open another one, or nothing.
@@ -79,6 +82,30 @@ impl OpenSession {
         self.bus
             .motors(now)
             .any(|motor| motor.id == wanted && motor.last.is_some())
+    }
+
+    /// The adapter's USB IDs, if it is one with any.
+    pub(crate) fn usb(&self) -> Option<UsbId> {
+        match &self.line {
+            Line::Serial(serial) => serial.usb(),
+            Line::Virtual(..) => None,
+        }
+    }
+
+    /// Writes what is driven, and what was left driven on adapters of this make, if it has changed. Returns false if it
+    /// cannot be remembered. Virtual motors need no memory.
+    pub(crate) fn remember(&mut self, left: &Left) -> bool {
+        let Line::Serial(serial) = &self.line else {
+            return true;
+        };
+        let usb = serial.usb();
+        let mut model = self.bus.model();
+        if self.bus.left_driven().next().is_none() {
+            model = left.model(usb).unwrap_or(model);
+        }
+        let bus = &self.bus;
+        let driven = || bus.left_driven().chain(left.of(usb));
+        self.memory.remember(model, driven)
     }
 
     pub(crate) async fn close(self) {

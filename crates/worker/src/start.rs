@@ -21,16 +21,7 @@ pub(crate) fn start() {
     scope::post(&ToPage::Hello {
         time_origin_ms: clock.origin_ms(),
     });
-    let shared: Shared = Rc::new_cyclic(|owner| {
-        let owner = owner.clone();
-        let ring = move || {
-            if let Some(shared) = owner.upgrade() {
-                pump(&shared);
-            }
-        };
-        let alarm = Alarm::new(clock.clone(), ring);
-        RefCell::new(PortOwner::new(clock.clone(), alarm))
-    });
+    let shared = new_owner(&clock);
     let owner = Rc::clone(&shared);
     scope::on_message(move |incoming| match incoming {
         Incoming::Message(bytes) => match decode(&bytes) {
@@ -48,8 +39,22 @@ pub(crate) fn start() {
     serial::on_plugged(move || adapter_plugged(&shared));
 }
 
+/// The owner of the port, with its alarm.
+pub(crate) fn new_owner(clock: &Clock) -> Shared {
+    Rc::new_cyclic(|owner| {
+        let owner = owner.clone();
+        let ring = move || {
+            if let Some(shared) = owner.upgrade() {
+                pump(&shared);
+            }
+        };
+        let alarm = Alarm::new(clock.clone(), ring);
+        RefCell::new(PortOwner::new(clock.clone(), alarm))
+    })
+}
+
 /// Handles a message of the page. A stop is on the wire, or next, when this returns.
-fn handle(shared: &Shared, message: ToWorker) {
+pub(crate) fn handle(shared: &Shared, message: ToWorker) {
     match message {
         ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual(_) => {
             stop_and_close(shared, AfterClosing(Some(message)));

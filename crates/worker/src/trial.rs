@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use gloo_timers::future::sleep;
+use motorlink_bus::MotorStatus;
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
@@ -58,6 +59,41 @@ pub(crate) async fn wanted_motor_replies(
     let replied = |open: &OpenSession, now: Instant| open.has_replied(now, wanted).then_some(());
     let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
     Ok(reply.is_some())
+}
+
+/// Waits until a motor replies on the port on trial, while motors that were left driven are being stopped. Returns whether
+/// one does.
+pub(crate) async fn any_motor_replies(
+    shared: &Shared,
+    generation: u32,
+) -> Result<bool, Superseded> {
+    let replied = |open: &OpenSession, now: Instant| {
+        let mut motors = open.bus.motors(now);
+        motors.any(|motor| motor.last.is_some()).then_some(())
+    };
+    let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
+    Ok(reply.is_some())
+}
+
+/// Waits until a motor that was left driven reports that it turns: then this is its adapter. Nothing but queries goes out
+/// meanwhile. Returns false after the time in which all of them have been asked.
+pub(crate) async fn left_motor_turns(shared: &Shared, generation: u32) -> Result<bool, Superseded> {
+    let left: Vec<MotorId> = {
+        let owner = shared.borrow();
+        let Session::Open(open) = &owner.session else {
+            return Err(Superseded);
+        };
+        owner.left.of(open.usb()).map(|motor| motor.id).collect()
+    };
+    let turns = |open: &OpenSession, now: Instant| {
+        let turns = |motor: MotorStatus| {
+            let speed = motor.last.map(|last| last.reply.speed.magnitude());
+            left.contains(&motor.id) && speed.is_some_and(|rpm| rpm > 0)
+        };
+        open.bus.motors(now).any(turns).then_some(())
+    };
+    let found = wait_on_trial(shared, generation, TRIAL, turns).await?;
+    Ok(found.is_some())
 }
 
 /// Waits until `found` returns a result for the port on trial. Returns `None` after `limit`, or later if the bus is

@@ -99,6 +99,7 @@ impl Connect {
                 .page
                 .preferences
                 .with_untracked(Preferences::model_choice),
+            left: Vec::new(),
         });
     }
 

@@ -1,0 +1,169 @@
+//! What was driven when a connection ended, as a file keeps it.
+
+use motorlink_bus::LeftDriven;
+use motorlink_protocol::family::Model;
+use serde::{Deserialize, Serialize};
+
+use crate::{decode, encode};
+
+/// The motors that were driven over an adapter, and whose standstill no reply has confirmed since.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftBehind {
+    /// Their model.
+    pub model: Model,
+    /// The motors.
+    pub motors: Vec<LeftDriven>,
+}
+
+/// The content of a file is not what [`LeftBehind::to_file`] has written: something may turn, and the motors have to be
+/// asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Damaged;
+
+/// The first byte of a file.
+const VERSION: u8 = 1;
+
+/// Bytes in front of the encoded motors: the version, the checksum and the length.
+const HEAD: usize = 7;
+
+impl LeftBehind {
+    /// Length of every file: as much as 254 motors take. A file that never grows is written without asking for room.
+    pub const FILE_BYTES: usize = 1024;
+
+    /// Nothing is driven.
+    #[must_use]
+    pub const fn nothing(model: Model) -> Self {
+        Self {
+            model,
+            motors: Vec::new(),
+        }
+    }
+
+    /// The content of its file.
+    ///
+    /// | bytes | content |
+    /// |---|---|
+    /// | 0 | version |
+    /// | 1-4 | checksum of the motors, little endian |
+    /// | 5-6 | length of the motors, little endian |
+    /// | 7.. | the motors, then zeros |
+    #[must_use]
+    pub fn to_file(&self) -> Vec<u8> {
+        // A value of ours always encodes.
+        let motors = encode(self).unwrap_or_default();
+        let length = u16::try_from(motors.len()).unwrap_or_default();
+        let mut file = Vec::with_capacity(Self::FILE_BYTES);
+        file.push(VERSION);
+        file.extend(checksum(&motors).to_le_bytes());
+        file.extend(length.to_le_bytes());
+        file.extend(motors);
+        file.resize(Self::FILE_BYTES, 0);
+        file
+    }
+
+    /// Reads a file; `None` if it is new.
+    ///
+    /// # Errors
+    /// [`Damaged`] for everything that [`LeftBehind::to_file`] does not write.
+    pub fn of_file(file: &[u8]) -> Result<Option<Self>, Damaged> {
+        if file.is_empty() {
+            return Ok(None);
+        }
+        let (head, rest) = file.split_at_checked(HEAD).ok_or(Damaged)?;
+        let [VERSION, a, b, c, d, low, high] = *head else {
+            return Err(Damaged);
+        };
+        let length = usize::from(u16::from_le_bytes([low, high]));
+        let motors = rest.get(..length).ok_or(Damaged)?;
+        if checksum(motors) != u32::from_le_bytes([a, b, c, d]) {
+            return Err(Damaged);
+        }
+        decode(motors).map(Some).map_err(|_| Damaged)
+    }
+
+    /// Adds motors that are not among these.
+    pub fn add(&mut self, others: impl IntoIterator<Item = LeftDriven>) {
+        for other in others {
+            match self.motors.iter_mut().find(|motor| motor.id == other.id) {
+                // In one of several loops: not known.
+                Some(motor) if motor.mode != other.mode => motor.mode = None,
+                Some(_) => {}
+                None => self.motors.push(other),
+            }
+        }
+    }
+}
+
+/// FNV-1a of 32 bits.
+fn checksum(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811C_9DC5, |sum, byte| {
+        (sum ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_protocol::{Mode, MotorId};
+
+    use super::*;
+
+    fn left(ids: std::ops::RangeInclusive<u8>) -> LeftBehind {
+        let motors = ids.map(|id| LeftDriven {
+            id: MotorId::new(id).unwrap(),
+            mode: [None, Some(Mode::Velocity), Some(Mode::Position)][usize::from(id) % 3],
+        });
+        LeftBehind {
+            model: Model::Ddsm400,
+            motors: motors.collect(),
+        }
+    }
+
+    #[test]
+    fn what_is_remembered_is_read_as_it_was_written_and_every_file_is_as_long() {
+        for motors in [
+            left(1..=1),
+            left(1..=254),
+            LeftBehind::nothing(Model::Ddsm210),
+        ] {
+            let file = motors.to_file();
+            assert_eq!(file.len(), LeftBehind::FILE_BYTES);
+            assert_eq!(LeftBehind::of_file(&file), Ok(Some(motors)));
+        }
+        assert_eq!(LeftBehind::of_file(&[]), Ok(None));
+    }
+
+    #[test]
+    fn a_damaged_file_is_never_read_as_motors() {
+        let file = left(1..=3).to_file();
+        let used = HEAD + usize::from(file[5]);
+        for place in 0..used {
+            for bit in 0..8 {
+                let mut damaged = file.clone();
+                damaged[place] ^= 1 << bit;
+                assert_eq!(LeftBehind::of_file(&damaged), Err(Damaged), "{place} {bit}");
+            }
+        }
+        for length in 1..used {
+            assert_eq!(
+                LeftBehind::of_file(&file[..length]),
+                Err(Damaged),
+                "{length}"
+            );
+        }
+        assert_eq!(LeftBehind::of_file(&[0; 1024]), Err(Damaged));
+        assert_eq!(LeftBehind::of_file(&[0xFF; 1024]), Err(Damaged));
+    }
+
+    #[test]
+    fn a_motor_that_was_left_in_two_loops_is_in_an_unknown_one() {
+        let mut all = left(1..=2);
+        let other = LeftDriven {
+            mode: Some(Mode::Current),
+            ..all.motors[0]
+        };
+        all.add([other, left(3..=3).motors[0]]);
+        assert_eq!(all.motors.len(), 3);
+        assert_eq!(all.motors[0].mode, None);
+        assert_eq!(all.motors[1].mode, Some(Mode::Position));
+    }
+}

@@ -1,0 +1,82 @@
+//! Remembers what is driven on an adapter beyond the end of the worker, of the page and of the browser.
+//!
+//! A motor may keep its last command for ever when frames cease. So what is driven is written to a file before the
+//! frame that drives it is given to the port, and is written again when a reply has confirmed standstill. The worker
+//! that opens the adapter next stops these motors first. The file is opened and closed with the claim of the adapter
+//! (`boot/adapters.js`).
+
+use js_sys::{Array, Function, Reflect, Uint8Array};
+use motorlink_bus::LeftDriven;
+use motorlink_messages::LeftBehind;
+use motorlink_protocol::family::Model;
+use wasm_bindgen::{JsCast, JsValue};
+
+/// The open file of an adapter, or none where the browser has no such files.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    /// The object of `boot/adapters.js`.
+    file: Option<JsValue>,
+    /// What the file has.
+    written: Option<LeftBehind>,
+}
+
+impl Memory {
+    pub(crate) fn of(file: JsValue) -> Self {
+        Self {
+            file: file.is_object().then_some(file),
+            written: None,
+        }
+    }
+
+    /// What workers that have ended left driven on adapters of this make; asked once. What cannot be read is left out:
+    /// its motors are asked like all others, and what turns is reported.
+    pub(crate) fn take_found(&mut self) -> Option<LeftBehind> {
+        let file = self.file.as_ref()?;
+        let found: Array = Reflect::get(file, &"found".into()).ok()?.dyn_into().ok()?;
+        let mut all: Option<LeftBehind> = None;
+        while found.length() > 0 {
+            let bytes = Uint8Array::new(&found.pop()).to_vec();
+            let Ok(Some(left)) = LeftBehind::of_file(&bytes) else {
+                continue;
+            };
+            if left.motors.is_empty() {
+                continue;
+            }
+            match &mut all {
+                None => all = Some(left),
+                Some(all) => all.add(left.motors),
+            }
+        }
+        all
+    }
+
+    /// Writes what is driven, if it has changed. Returns false if it cannot be remembered.
+    pub(crate) fn remember<I: Iterator<Item = LeftDriven>>(
+        &mut self,
+        model: Model,
+        driven: impl Fn() -> I,
+    ) -> bool {
+        // Asked with every frame: it allocates nothing while nothing changes.
+        let is_as_written = |written: &LeftBehind| {
+            written.model == model && written.motors.iter().copied().eq(driven())
+        };
+        if self.written.as_ref().is_some_and(is_as_written) {
+            return true;
+        }
+        let now = LeftBehind {
+            model,
+            motors: driven().collect(),
+        };
+        let is_written = self.write(&now.to_file()).is_some() || now.motors.is_empty();
+        // Not tried again before it changes.
+        self.written = Some(now);
+        is_written
+    }
+
+    fn write(&self, bytes: &[u8]) -> Option<()> {
+        let file = self.file.as_ref()?;
+        let write: Function = Reflect::get(file, &"write".into()).ok()?.dyn_into().ok()?;
+        let written = write.call1(file, &Uint8Array::from(bytes)).ok()?;
+        written.is_truthy().then_some(())
+    }
+}
