@@ -353,8 +353,9 @@ impl Motor {
             self.silent_queries = 0;
             SILENT_QUERY_PERIOD
         };
-        // On schedule, but a missed schedule is not caught up by a burst.
-        let next = self.next_query + period;
+        // On schedule. A missed schedule is not caught up by a burst, and a query that goes early, for proof or for
+        // the loop, does not move it on.
+        let next = (self.next_query + period).min(now + period);
         let behind = now.since(self.next_query);
         self.next_query = next.max(now + period / 2);
         let dropped = self.next_query.since(next);
