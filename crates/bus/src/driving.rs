@@ -79,6 +79,7 @@ impl Bus {
                     goal: setpoint,
                     hold: None,
                     next_frame: now,
+                    is_new: true,
                     ..*driven
                 };
                 if is_rest(setpoint) {
@@ -121,6 +122,7 @@ impl Bus {
                     && !is_rest(setpoint)
                 {
                     adjusted.next_frame = driven.next_frame;
+                    adjusted.is_new = driven.is_new;
                 }
                 Ok(())
             }
@@ -156,6 +158,7 @@ impl Bus {
             goal: Setpoint::Position(angle),
             hold: Some(hold),
             next_frame: now,
+            is_new: true,
             ..*driven
         };
         self.cut_exchange_short(now);

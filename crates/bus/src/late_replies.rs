@@ -30,6 +30,20 @@ pub(crate) struct LateReplies {
     sent: VecDeque<Instant>,
     /// When the last ID query was sent, while answers to it may still arrive.
     id_query: Option<Instant>,
+    queries: QueriesInARow,
+}
+
+/// Replies to queries since the last other request.
+///
+/// Replies arrive in order. If more of them came in the windows of queries in a row than drive replies can be
+/// outstanding, the last one answers a query, however recent the lost drive frame is.
+#[derive(Clone, Copy, Debug, Default)]
+struct QueriesInARow {
+    /// When the last other request was sent.
+    after: Option<Instant>,
+    replies: u32,
+    /// Drive replies that could be outstanding before the first of them.
+    outstanding: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,6 +62,9 @@ impl LateReplies {
             Layout::Query => &mut self.query,
         };
         let replies = in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX);
+        if layout == Layout::Drive {
+            self.queries.outstanding = self.queries.outstanding.max(replies);
+        }
         *outstanding = Outstanding {
             sent: Some(sent),
             // Earlier outstanding replies stay outstanding.
@@ -57,6 +74,20 @@ impl LateReplies {
             self.sent.pop_front();
         }
         self.sent.push_back(sent);
+    }
+
+    /// Records a request that a motor may answer in the layout of a drive reply.
+    pub(crate) fn asked_otherwise(&mut self, now: Instant) {
+        self.queries = QueriesInARow {
+            after: Some(now),
+            replies: 0,
+            outstanding: self.drive.replies.max(REPLIES_MORE),
+        };
+    }
+
+    /// When the last request other than a query was sent.
+    pub(crate) const fn asked_otherwise_at(&self) -> Option<Instant> {
+        self.queries.after
     }
 
     /// Records an ID query without an answer of this motor.
@@ -103,6 +134,12 @@ impl LateReplies {
     /// layout may still arrive. This reply was perhaps that one, so the reply to this request is
     /// outstanding as long.
     pub(crate) fn layout_of_reply(&mut self, now: Instant, layout: Layout) -> Option<Layout> {
+        if layout == Layout::Query {
+            self.queries.replies = self.queries.replies.saturating_add(1);
+            if self.queries.replies > self.queries.outstanding {
+                self.drive = Outstanding::default();
+            }
+        }
         let (own, other) = match layout {
             Layout::Drive => (&mut self.drive, &self.query),
             Layout::Query => (&mut self.query, &self.drive),

@@ -7,7 +7,7 @@ use motorlink_protocol::Instant;
 use crate::{
     bus::Bus,
     line_use::LineStatus,
-    motor::{Control, Motor},
+    motor::Motor,
     timing::{BUSY_PER_MILLE, BUSY_QUERY_PERIOD, QUERY_PERIOD},
 };
 
@@ -32,7 +32,7 @@ impl Bus {
     }
 
     pub(crate) fn any_driven(&self) -> bool {
-        self.motors.iter().any(is_driven)
+        self.motors.iter().any(Motor::is_driven)
     }
 
     /// Time between two queries of a motor that answers. Drive frames go first: when they need much
@@ -49,7 +49,7 @@ impl Bus {
     /// motors in a row would take as long as all their drive frames and delay each of them. It is
     /// less than an even share, so that a delay can be caught up.
     pub(crate) fn query_distance(&self) -> Duration {
-        let several = self.motors.iter().filter(|motor| is_driven(motor)).count() > 1;
+        let several = self.motors.iter().filter(|motor| motor.is_driven()).count() > 1;
         let watched = u32::try_from(self.motors.len()).unwrap_or(u32::MAX);
         if several {
             self.query_period() * 3 / 4 / watched.max(1)
@@ -61,7 +61,7 @@ impl Bus {
     /// Share of the line that the drive frames need at the command rate, per mille. May exceed
     /// 1,000.
     fn drive_need(&self) -> u32 {
-        let driven = self.motors.iter().filter(|motor| is_driven(motor));
+        let driven = self.motors.iter().filter(|motor| motor.is_driven());
         let exchange_us: u64 = driven.map(|motor| self.exchange_us(motor)).sum();
         let need = exchange_us * u64::from(self.settings.rate.hertz()) / 1_000;
         u32::try_from(need).unwrap_or(u32::MAX)
@@ -87,8 +87,4 @@ impl Bus {
         let usual = own.unwrap_or_else(|| self.round_trip.usual());
         u64::try_from(usual.as_micros()).unwrap_or(u64::MAX)
     }
-}
-
-fn is_driven(motor: &Motor) -> bool {
-    matches!(motor.control, Control::Driven(_))
 }

@@ -1,7 +1,5 @@
 //! State of one motor: what the bus knows of it and does with it.
 
-use std::time::Duration;
-
 use motorlink_protocol::{
     Celsius, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
     family::{Model, Reading},
@@ -21,14 +19,13 @@ use crate::{
     sample::Sample,
     stop::Stopping,
     temperature_filter::TemperatureFilter,
-    timing::{
-        DRIVEN_SILENCE_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_QUERY_PERIOD, TEMPERATURE_JUMP,
-    },
+    timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP},
     torque::Torque,
     turning_unasked::TurningUnasked,
     withheld::Silence,
 };
 
+mod asking;
 mod known;
 mod loops;
 
@@ -49,6 +46,8 @@ pub(crate) struct Driven {
     /// When driving began; silence counts from here at the earliest.
     pub(crate) since: Instant,
     pub(crate) next_frame: Instant,
+    /// Whether no frame has gone out since the last command.
+    pub(crate) is_new: bool,
     /// When the next frame is due without any delay so far.
     pub(crate) on_schedule: Instant,
     /// Since Hold, until a reply within 40 ms refines the angle.
@@ -68,6 +67,7 @@ impl Driven {
             goal,
             since: now,
             next_frame: now,
+            is_new: true,
             on_schedule: now,
             hold: None,
             group: None,
@@ -259,6 +259,10 @@ impl Motor {
         }
     }
 
+    pub(crate) const fn is_driven(&self) -> bool {
+        matches!(self.control, Control::Driven(_))
+    }
+
     /// Whether a reply can still refine the angle of a hold.
     pub(crate) fn is_holding(&self, now: Instant) -> bool {
         match &self.control {
@@ -335,48 +339,5 @@ impl Motor {
         }
         let temperature = self.fresh_temperature(now);
         limits.exceeded(self.last?, temperature, self.overcurrent, driven_since)
-    }
-
-    /// Records a query. `period` is the time between two queries of an answering motor;
-    /// `others_driven` is whether other motors are driven.
-    pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, others_driven: bool) {
-        self.separate.asks_loop = !self.separate.asks_loop;
-        // A silent motor costs the others a reply window each time, so it is queried more and more
-        // rarely.
-        let period = if !self.silent {
-            self.silent_queries = 0;
-            period
-        } else if others_driven {
-            self.silent_queries = (self.silent_queries + 1).min(PROBE_DOUBLINGS_MAX);
-            SILENT_QUERY_PERIOD * (1 << self.silent_queries)
-        } else {
-            self.silent_queries = 0;
-            SILENT_QUERY_PERIOD
-        };
-        // On schedule. A missed schedule is not caught up by a burst, and a query that goes early, for proof or for
-        // the loop, does not move it on.
-        let next = (self.next_query + period).min(now + period);
-        let behind = now.since(self.next_query);
-        self.next_query = next.max(now + period / 2);
-        let dropped = self.next_query.since(next);
-        self.counters.not_asked += self.missed_queries.sent(behind, dropped, period);
-    }
-
-    /// A drive frame went out; `before` is its schedule without it.
-    pub(crate) fn drive_sent(&mut self, now: Instant, before: Control, period: Duration) {
-        self.drive_frames.count(now);
-        if let (Control::Driven(before), Control::Driven(driven)) = (before, self.control) {
-            let behind = now.since(before.on_schedule);
-            let dropped = driven
-                .on_schedule
-                .since(before.on_schedule.min(now) + period);
-            self.counters.not_asked += self.missed_drives.sent(behind, dropped, period);
-        }
-    }
-
-    /// A call of the bus came so late.
-    pub(crate) fn called_late(&mut self, by: Duration) {
-        self.missed_drives.called_late(by);
-        self.missed_queries.called_late(by);
     }
 }

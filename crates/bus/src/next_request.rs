@@ -92,6 +92,7 @@ pub(crate) fn next_request(
             }
             let control = Control::Driven(Driven {
                 next_frame,
+                is_new: false,
                 on_schedule,
                 ramped,
                 since: driven.silent_from(),

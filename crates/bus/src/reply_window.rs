@@ -34,8 +34,8 @@ impl Bus {
             .and_then(|motor| motor.round_trip.window());
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
         // While another motor answers, the adapter is not slower than before, so a silent motor
-        // costs the others no longer window. A query for proof, a hold and the stop of a silent
-        // motor are urgent: the wheel turns meanwhile. But if replies come late, a short window
+        // costs the others no longer window. A query for proof, a hold, the stop of a silent
+        // motor and queries for an old temperature are urgent: the wheel turns meanwhile. But if replies come late, a short window
         // would let the next request collide with one.
         let in_time = self
             .last_late_reply
@@ -49,7 +49,13 @@ impl Bus {
             let stops = matches!(motor.control, Control::Stopping(_));
             motor.id == id && stops && motor.is_without_answer()
         });
-        let hurries = holds || stops_silent || (unproved && layout == Layout::Query);
+        let driven = self.motors.iter().filter(|motor| motor.is_driven()).count();
+        let driven = u32::try_from(driven).unwrap_or(u32::MAX);
+        let is_old = self
+            .motors
+            .iter()
+            .any(|motor| motor.id == id && motor.asks_instead_until(at, driven).is_some());
+        let hurries = holds || stops_silent || is_old || (unproved && layout == Layout::Query);
         let doublings = if in_time && hurries {
             0
         } else {

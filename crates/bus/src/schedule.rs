@@ -109,15 +109,29 @@ pub(crate) fn next_turn(
         _ => None,
     })
     .map(|(at, id)| (at, DueFrame::Switch(id)));
+    let driven = motors.iter().filter(|motor| motor.is_driven());
+    let driven = u32::try_from(driven.count()).unwrap_or(u32::MAX);
+    let may_ask = unasked_until(motors).is_none_or(|until| now >= until);
+    let asks_instead = |motor: &Motor| {
+        let until = motor.asks_instead_until(now, driven);
+        until.filter(|_| may_ask)
+    };
     let drive = earliest(motors, |motor| match &motor.control {
-        Control::Driven(driven) => Some(driven.frame_due()),
+        Control::Driven(driven) => {
+            let due = driven.frame_due();
+            Some(asks_instead(motor).map_or(due, |until| until.max(due)))
+        }
         Control::Switching(switch) => switch
             .neutral_drive
             .map(|neutral_drive| neutral_drive.next_frame),
         _ => None,
     })
     .map(|(at, id)| (at, DueFrame::Drive(id)));
-    let query = next_query(motors).filter(|_| !stops_first);
+    let urgent = motors.iter().find(|motor| asks_instead(motor).is_some());
+    let (query, queries_from) = match urgent {
+        Some(motor) => (Some((now - QUERY_PATIENCE, motor.id)), now),
+        None => (next_query(motors).filter(|_| !stops_first), queries_from),
+    };
 
     // The reply window of a silent motor may be as long as the time between its frames. So at most one switch or
     // query goes between two stop frames.
@@ -148,11 +162,7 @@ pub(crate) fn next_turn(
         return Turn::Now(due_frame);
     }
 
-    let driven = motors
-        .iter()
-        .filter(|motor| matches!(motor.control, Control::Driven(_)));
-    let frames_a_period = u32::try_from(driven.count()).unwrap_or(u32::MAX).max(1);
-    let margin = (period / 2 / frames_a_period).min(QUERY_MARGIN_MAX);
+    let margin = (period / 2 / driven.max(1)).min(QUERY_MARGIN_MAX);
     let fits = next_appointment.is_none_or(|at| now + usual + margin <= at);
     let query_turn = query.map(|(at, id)| match (due(at.max(queries_from)), fits) {
         (true, true) => Turn::Now(DueFrame::Query(id)),

@@ -2,7 +2,10 @@
 
 use std::cmp::Reverse;
 
-use motorlink_protocol::{CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint, family::Request};
+use motorlink_protocol::{
+    CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint,
+    family::{Layout, Request},
+};
 
 use crate::{
     bus::{Bus, LastDrive},
@@ -296,11 +299,21 @@ impl Bus {
         let airtime = self.model.frame_airtime();
         let exchange = Exchange::begin(at, frame, expects, window, airtime, purpose);
         match expects {
-            Expects::Reply { id, .. } => match self.motor_mut(id) {
-                Some(motor) => motor.counters.requests += 1,
+            Expects::Reply { id, layout } => match self.motor_mut(id) {
+                Some(motor) => {
+                    motor.counters.requests += 1;
+                    if layout != Layout::Query {
+                        motor.late.asked_otherwise(at);
+                    }
+                }
                 None => self.counters.requests += 1,
             },
-            Expects::Everyone { .. } => self.counters.requests += 1,
+            Expects::Everyone { .. } => {
+                self.counters.requests += 1;
+                for motor in &mut self.motors {
+                    motor.late.asked_otherwise(at);
+                }
+            }
             Expects::Nothing => {}
         }
         self.line = Line::Busy(exchange);

@@ -61,6 +61,15 @@ pub(crate) const QUERY_MARGIN_MAX: Duration = Duration::from_millis(10);
 /// is known at any load: one drive period at the 50 Hz that a motor needs.
 pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 
+/// The temperature of a driven motor is asked for by queries in a row once it is this old: three queries were lost, or
+/// had no certain reply. So it is younger than half a second on a line that loses every tenth reply.
+pub(crate) const TEMPERATURE_OLD: Duration = Duration::from_millis(300);
+/// From this age on even a new setpoint waits for these queries, but no zero.
+pub(crate) const TEMPERATURE_URGENT: Duration = Duration::from_secs(1);
+/// Queries in a row end with a drive frame after this time: five periods at 50 Hz, half of the silence that ends a
+/// setpoint.
+pub(crate) const NO_DRIVE_FRAME_MAX: Duration = Duration::from_millis(100);
+
 /// The winding temperature changes less than this between two readings, in degrees Celsius.
 pub(crate) const TEMPERATURE_JUMP: u8 = 20;
 

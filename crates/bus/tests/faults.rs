@@ -89,9 +89,10 @@ fn with_losses_and_flipped_bits_nothing_false_is_read_and_driving_goes_on() {
         }
         fixture.run(ms(3_000));
         let withdrawn = fixture.happened(|e| matches!(e, Event::Withdrawn { .. }));
-        // Of 150; three losses in a row widen the window once, which costs a frame.
+        // Of 150; three losses in a row widen the window once, and queries for an old temperature go
+        // instead of a few.
         let frames = fixture.drive_times(ID).len();
-        assert!(withdrawn || frames >= 144, "seed {seed}: {frames}");
+        assert!(withdrawn || frames >= 140, "seed {seed}: {frames}");
         let counters = fixture.status(ID).counters;
         assert!(counters.silences > 0, "seed {seed}: {counters:?}");
         assert!(counters.bad_crcs > 0, "seed {seed}: {counters:?}");
