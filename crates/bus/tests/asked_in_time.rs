@@ -76,7 +76,7 @@ fn drive_for_a_minute(model: Model, hertz: u16, lost: f64, seed: u64) -> Minute 
 }
 
 /// `cargo test --release -p motorlink-bus --test asked_in_time -- --nocapture temperature` prints the
-/// table of `docs/measurements.md`.
+/// table.
 #[test]
 fn the_temperature_of_a_driven_motor_is_never_old_on_a_line_that_loses_half() {
     println!(
