@@ -42,6 +42,7 @@ use crate::{
             self,
             panel::{LinkedGraph, SetupLink, SetupLinkPanel},
         },
+        stop::alert::TurningAlert,
         wheel_setup::{
             actions::{IdManagerActions, WheelSetup},
             panel::WheelSetupSteps,
@@ -145,6 +146,7 @@ in_part!(desk: fn mount_desk(hosts, features) [
         view! {
             <QuestionDialog features />
             <NameDialog />
+            <TurningAlert />
         }
     }),
 ]);

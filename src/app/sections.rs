@@ -163,6 +163,6 @@ pub(crate) const SECTIONS: [(Place, Section); 24] = [
     ),
     (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
     (Place::Dialogs, Section::Later(Part::Help, Frame::Help)),
-    // Only sections of parts ask questions.
+    // Only sections of parts ask questions. The alert of wheels that turn unasked is with them.
     (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
 ];

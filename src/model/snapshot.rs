@@ -183,7 +183,7 @@ impl Session {
             (
                 motor.id,
                 session.mirror(motor.id).activity(motor.activity),
-                motor.silent,
+                (motor.silent, motor.may_turn, motor.turns_unasked),
                 reply.map(|reply| (reply.mode, reply.faults)),
             )
         };
@@ -223,7 +223,15 @@ impl Session {
             .filter(move |motor| live && is_active(motor))
     }
 
-    /// Whether anything is driven or may still move: a wheel that coasts, or whose standstill is unknown.
+    /// Motors that turn, or draw a current, though nothing here drives them.
+    pub(crate) fn turning_unasked(&self) -> impl Iterator<Item = &MotorStatus> {
+        let live = !self.is_recording();
+        self.motors
+            .iter()
+            .filter(move |motor| live && motor.turns_unasked)
+    }
+
+    /// Whether anything is driven, or moves though nothing drives it.
     pub(crate) fn is_anything_driven(&self) -> bool {
         if self.is_recording() {
             return false;
@@ -236,7 +244,7 @@ impl Session {
             || self
                 .motors
                 .iter()
-                .any(|motor| is_active(motor) || turns(motor))
+                .any(|motor| is_active(motor) || turns(motor) || motor.turns_unasked)
     }
 
     /// Whether no motor can move: none is driven, no job runs, and each motor on an open port answers and stands.
@@ -246,7 +254,7 @@ impl Session {
                 self.connection,
                 Connection::Disconnected | Connection::Failed(_)
             );
-        let is_lost = |motor: &MotorStatus| motor.last.is_some() && motor.silent;
+        let is_lost = |motor: &MotorStatus| motor.may_turn || motor.last.is_some() && motor.silent;
         !self.is_anything_driven()
             && self.job.is_none()
             && (port_is_closed || !self.motors.iter().any(is_lost))
@@ -324,7 +332,7 @@ pub(crate) fn is_active(motor: &MotorStatus) -> bool {
 pub(crate) fn concerns_all(reason: StopReason) -> bool {
     !matches!(
         reason,
-        StopReason::OneMotor | StopReason::Disconnect | StopReason::Job
+        StopReason::OneMotor | StopReason::Disconnect | StopReason::Job | StopReason::LeftDriven
     )
 }
 

@@ -160,6 +160,20 @@ fn the_first_cause_of_a_stop_and_the_last_outcome_of_each_motor_stay_until_relea
     assert_eq!(session.stop.unwrap().reason, second);
 }
 
+/// Space stops what moves; a current that flows in a wheel that stands may move it at any time.
+#[test]
+fn what_moves_unasked_counts_as_driven() {
+    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+    assert!(!session.is_anything_driven());
+    let before = session.clone();
+    session.motors[0].turns_unasked = true;
+    assert!(session.is_anything_driven());
+    assert!(session.differs_in_state(&before), "it is shown at once");
+    session.connection = Connection::Connected(Adapter::Recording);
+    assert!(!session.is_anything_driven());
+    assert_eq!(session.turning_unasked().count(), 0);
+}
+
 #[test]
 fn rest_is_known_only_of_motors_that_answer() {
     let standing = session(1_000, status(1_000, Mode::Velocity, 0));
@@ -167,11 +181,14 @@ fn rest_is_known_only_of_motors_that_answer() {
     assert!(Session::default().is_known_to_rest(), "no motor");
     let mut silent = standing.clone();
     silent.motors[0].silent = true;
-    assert!(!silent.is_known_to_rest(), "it may coast");
+    assert!(!silent.is_known_to_rest(), "it may turn");
     silent.connection = Connection::Disconnected;
     assert!(silent.is_known_to_rest(), "no stop could reach it");
     let turning = session(1_000, status(1_000, Mode::Velocity, 3));
     assert!(!turning.is_known_to_rest());
+    let mut unconfirmed = standing.clone();
+    unconfirmed.motors[0].may_turn = true;
+    assert!(!unconfirmed.is_known_to_rest());
     let mut driven = standing;
     driven.motors[0].activity = Activity::DrivenRaw;
     assert!(!driven.is_known_to_rest());

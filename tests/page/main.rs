@@ -31,6 +31,7 @@ mod setup_sharing;
 mod together;
 mod tools;
 mod truth;
+mod turning_unasked;
 mod virtual_motors;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection,
-    bus::Activity,
+    bus::{Activity, MotorStatus},
     protocol::{Mode, MotorId},
 };
 
@@ -151,9 +151,10 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
             power_switch(),
         ],
         Connection::Connecting => &[tr!("Opening the port.")],
-        Connection::Reconnecting(_) => &[tr!(
-            "Plug the adapter back in. No motor starts until you press Start."
-        )],
+        Connection::Reconnecting(_) => &[
+            tr!("Plug the adapter back in. No motor starts until you press Start."),
+            power_switch(),
+        ],
         Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
             &[tr!("All motors are stopped. Press Release to drive again.")]
@@ -172,10 +173,26 @@ fn power_switch() -> &'static str {
 }
 
 fn next_with_motor(session: &Session, id: MotorId) -> String {
+    let of = session.motor(id);
+    let idle = |motor: &&MotorStatus| motor.activity == Activity::Idle;
+    if let Some(motor) = of.filter(idle).filter(|of| of.turns_unasked || of.may_turn) {
+        return if motor.turns_unasked {
+            tr!(
+                "Motor {id} moves, and nothing here drives it. Press Stop it.",
+                id
+            )
+        } else {
+            tr!(
+                "Motor {id} has not confirmed standstill: its wheel may turn. Press STOP, or switch off its \
+                 power.",
+                id
+            )
+        };
+    }
     let Some(mode) = session.mode(id).filter(Reading::is_fresh) else {
         return tr!("Waiting for a reply from motor {id}.", id);
     };
-    let activity = session.motor(id).map(|motor| motor.activity);
+    let activity = of.map(|motor| motor.activity);
     match (activity, mode.value) {
         (Some(Activity::Driven { setpoint }), _) => {
             tr!(
@@ -225,6 +242,11 @@ mod tests {
             setpoint: Setpoint::velocity(SpeedTarget::clamped(100)),
         };
         assert!(next_steps(&session, ID)[0].contains("+100 rpm"));
+        session.motors[0].activity = Activity::Idle;
+        session.motors[0].may_turn = true;
+        assert!(next_steps(&session, ID)[0].contains("may turn"));
+        session.motors[0].turns_unasked = true;
+        assert!(next_steps(&session, ID)[0].contains("Press Stop it"));
         session.halted = true;
         assert!(next_steps(&session, ID)[0].contains("Release"));
         session.halted = false;
