@@ -7,7 +7,7 @@ use crate::{
     link::{serial_ports, worker_link::WorkerState},
     model::{
         names_and_sides::{GroupMembers, Side},
-        replay,
+        notice_texts, replay,
         snapshot::{Session, is_active},
         terms,
     },
@@ -32,12 +32,19 @@ fn request_blocked_by(session: &Session, id: MotorId) -> Option<String> {
         return Some(terms::refusal(Refusal::JobRunning));
     }
     if reported.is_none() {
-        return Some(terms::refusal(Refusal::NotAnswering(id)));
+        return blocked_by_silence(session, id)
+            .or_else(|| Some(terms::refusal(Refusal::NotAnswering(id))));
     }
     let mut activities = session.motors.iter().map(|motor| motor.activity);
     activities
         .any(|activity| activity == Activity::DrivenRaw)
         .then(|| terms::refusal(Refusal::RawRunning))
+}
+
+/// That this motor is silent, or that its replies are corrupted: in the words of the notice.
+pub(crate) fn blocked_by_silence(session: &Session, id: MotorId) -> Option<String> {
+    let silent = session.motor(id)?.silent;
+    silent.then(|| notice_texts::of_silence(&[id], session.garbled.contains(&id)).title)
 }
 
 fn blocked_by_connection(connection: Connection) -> Option<&'static str> {

@@ -65,6 +65,16 @@ fn nothing_drives_while_it_must_not() {
     case("has not replied", &|s| {
         s.motors = vec![status(400, Mode::Velocity, 0)];
     });
+    case("No reply from motor 0x01 for 2 s", &|s| {
+        s.motors = vec![status(400, Mode::Velocity, 0)];
+        s.motors[0].silent = true;
+    });
+    // One state, one sentence: that of the notice.
+    case("No valid reply from motor 0x01 for 2 s", &|s| {
+        s.motors = vec![status(400, Mode::Velocity, 0)];
+        s.motors[0].silent = true;
+        s.garbled = vec![ID];
+    });
     case("is stopping", &|s| {
         s.motors[0].activity = Activity::Stopping { confirmed: false };
     });

@@ -51,6 +51,8 @@ pub(crate) enum Topic {
     Port,
     /// Damaged bytes.
     Line,
+    /// Lost and damaged replies.
+    Quality,
     /// The result of the ID query.
     Answer,
     /// Motors that do not answer.
@@ -227,7 +229,7 @@ impl NoticeBoard {
         self.withdraw_all(|topic| {
             matches!(
                 topic,
-                Topic::Answer | Topic::Silence | Topic::Line | Topic::Loop(_)
+                Topic::Answer | Topic::Silence | Topic::Line | Topic::Quality | Topic::Loop(_)
             )
         });
     }

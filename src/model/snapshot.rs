@@ -35,6 +35,8 @@ pub(crate) struct Session {
     pub(crate) line: Option<LineStatus>,
     /// The last "Stop all motors", while it is in effect.
     pub(crate) stop: Option<StopRecord>,
+    /// Silent motors from which bytes come, but no valid reply.
+    pub(crate) garbled: Vec<MotorId>,
     /// The motors whose speed and current have the reversed sign here; none in the state of the worker.
     pub(crate) mirrored: Vec<MotorId>,
 }
@@ -102,6 +104,7 @@ impl Default for Session {
             raw: None,
             line: None,
             stop: None,
+            garbled: Vec::new(),
             mirrored: Vec::new(),
         }
     }
@@ -119,6 +122,7 @@ impl Session {
         self.line = update.line;
         for notice in &update.notices {
             match notice {
+                Notice::MotorSilent { id, garbled: true } => self.garbled.push(*id),
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
                     self.record_stop(*reason, None);
                 }
@@ -132,6 +136,9 @@ impl Session {
         if !self.halted {
             self.stop = None;
         }
+        let motors = &self.motors;
+        let is_silent = |id: &MotorId| motors.iter().any(|motor| motor.id == *id && motor.silent);
+        self.garbled.retain(is_silent);
     }
 
     /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it: they have no

@@ -248,6 +248,27 @@ fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
 }
 
 #[test]
+fn corrupted_replies_are_known_until_the_motor_answers() {
+    let mut session = Session::default();
+    let mut report = |silent, notices| {
+        let motor = MotorStatus {
+            silent,
+            ..status(1, Mode::Velocity, 0)
+        };
+        session.apply(&Update {
+            motors: vec![motor],
+            ..update(false, notices)
+        });
+        session.garbled.clone()
+    };
+    let id = ID;
+    let garbled = Notice::MotorSilent { id, garbled: true };
+    assert_eq!(report(true, vec![garbled]), [ID]);
+    assert_eq!(report(true, vec![]), [ID]);
+    assert_eq!(report(false, vec![]), []);
+}
+
+#[test]
 fn a_new_reading_alone_is_no_change_of_state() {
     let before = session(1_000, status(1_000, Mode::Velocity, 5));
     let after = session(1_020, status(1_020, Mode::Velocity, 9));

@@ -55,7 +55,7 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
         Step::PickPort => {
             tr!("Select the adapter in the browser's list, or use the virtual motor.")
         }
-        Step::Answer => return tr!("Waiting for motor {id}. Is its supply on?", id),
+        Step::Answer => return tr!("Waiting for a reply from motor {id}.", id),
         Step::Free => tr!(
             "2 N·m direct drive: fasten the motor, lift the wheel, then tick. If the cable or the \
              computer fails, the wheel may keep turning: only the power switch stops it then."

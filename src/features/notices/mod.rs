@@ -1,5 +1,7 @@
 //! The notices, and the next steps for the user.
 
+mod quality;
+
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -9,8 +11,9 @@ use motorlink_messages::{
 };
 
 use crate::{
+    features::notices::quality::watch_quality,
     model::{
-        guards::drive_blocked_by,
+        guards::{blocked_by_silence, drive_blocked_by},
         help_topic::HelpTopic,
         notice_board::{NoticeBoard, Posted, Remedy, Tone},
         page::use_page,
@@ -39,6 +42,7 @@ pub(crate) fn Notices(
     tour: impl IntoView + 'static,
 ) -> impl IntoView {
     let page = use_page();
+    watch_quality();
     let none = move || page.notices.with(|board| board.posted().next().is_none());
     let next = page.of_motor(|session, id| next_steps(session, id).join("\n"));
     let slots: Vec<_> = (0..NoticeBoard::SLOTS)
@@ -190,7 +194,8 @@ fn next_with_motor(session: &Session, id: MotorId) -> String {
         };
     }
     let Some(mode) = session.mode(id).filter(Reading::is_fresh) else {
-        return tr!("Waiting for a reply from motor {id}.", id);
+        return blocked_by_silence(session, id)
+            .unwrap_or_else(|| tr!("Waiting for a reply from motor {id}.", id));
     };
     let activity = of.map(|motor| motor.activity);
     match (activity, mode.value) {

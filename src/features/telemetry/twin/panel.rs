@@ -17,20 +17,25 @@ use crate::{
 pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
     let page = readings.page;
     let chip = page.of_motor(|session, id| {
-        let motor = session.motor(id)?;
-        let words = match motor.activity {
+        let activity = session
+            .motor(id)
+            .map_or(Activity::Idle, |motor| motor.activity);
+        let words = match activity {
             Activity::Driven { setpoint } => tr!("Target {goal}", goal = format::goal(setpoint)),
             Activity::Stopping { .. } => tr!("Braking to a standstill").to_owned(),
             Activity::DrivenRaw => tr!("Driven by raw frames").to_owned(),
             Activity::Switching { to } => tr!("Switching to the {mode}", mode = terms::mode(to)),
-            Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
+            Activity::Idle => match session.mode(id) {
+                Some(mode) => loop_name(mode.value).to_owned(),
+                None => return no_motor(session.connection).to_owned(),
+            },
         };
         // The figures below the wheel describe the wheel as the user sees it.
-        Some(if session.mirror(id).is_mirrored() {
+        if session.mirror(id).is_mirrored() {
             tr!("{words} · mirrored", words)
         } else {
             words
-        })
+        }
     });
     let driven = page.of_motor(|session, id| {
         let activity = session.motor(id).map(|motor| motor.activity);
@@ -39,7 +44,7 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
     view! {
         <section class="panel wheel-panel" aria-label=tr!("Wheel")>
             <p class="chip wheel-chip" class:active=driven>
-                {dynamic(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
+                {dynamic(move || chip.get())}
             </p>
             <DigitalTwin feed=readings.twin model=page.model clock=page.worker.clock />
         </section>

@@ -4,6 +4,7 @@ use motorlink_i18n::{
     terms::{self, in_language},
     tr,
 };
+use motorlink_messages::Connection;
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
@@ -140,9 +141,12 @@ pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
     }
 }
 
-/// The text above the wheel before any motor has answered.
-pub(crate) fn no_motor() -> &'static str {
-    tr!("No motor: press Connect")
+/// The text above the wheel before the motor has answered.
+pub(crate) fn no_motor(connection: Connection) -> &'static str {
+    match connection {
+        Connection::Connected(_) => tr!("No motor found yet"),
+        _ => tr!("No motor: press Connect"),
+    }
 }
 
 #[cfg(test)]
