@@ -34,12 +34,12 @@ pub(crate) fn watch(features: Features) {
 }
 
 fn leave(features: Features) {
-    let any_active = features
+    let may_turn = features
         .page
         .latest
-        .with_value(|session| session.active_motors().next().is_some());
+        .with_value(|session| !session.is_known_to_rest());
     features.stop_all(StopReason::PageGone);
-    if any_active {
+    if may_turn {
         let begun_ms = page_now_ms();
         while page_now_ms() - begun_ms < LAST_FRAMES_MS {
             std::hint::spin_loop();

@@ -93,7 +93,8 @@ fn hazard(order: RawOrder) -> Question {
         title: tr!("Send this frame?").to_owned(),
         words: tr!(
             "{frame}\nThis frame can turn the wheel, switch the loop or change an ID.{often} \
-             Fasten the motor and keep fingers clear.\nSTOP, Space and Escape stop it. MotorLink \
+             Fasten the motor and keep fingers clear.\nA motor may keep a drive frame for ever, even one that is \
+             sent once: it runs until it is stopped.\nSTOP, Space and Escape stop it. MotorLink \
              asks again for any other frame, and for this one in another loop.",
             frame = order.frame,
             often
@@ -143,6 +144,7 @@ mod tests {
         for stop in ["STOP", "Space", "Escape"] {
             assert!(words(Repeat::Once).contains(stop));
         }
+        assert!(words(Repeat::Once).contains("runs until it is stopped"));
         assert!(!words(Repeat::Once).contains("until you stop it"));
         let interval = motorlink_messages::bus::RawInterval::new(20).unwrap();
         let endless = Repeat::Times { count: 0, interval };

@@ -360,3 +360,29 @@ async fn the_key_for_a_stop_works_beside_a_repeated_frame() {
         [Command::StopRaw, Command::Stop(MotorId::FIRST)]
     );
 }
+
+#[wasm_bindgen_test]
+async fn a_drive_frame_that_was_sent_once_offers_a_stop_until_the_motor_stands() {
+    let bench = raw_hex("raw-keeps").await;
+    let sent = |may_turn| {
+        report(&bench, move |update| {
+            update.raw = Some(RawStatus {
+                frame: frame(DRIVE),
+                count: 1,
+                sent: 1,
+                answered: 1,
+                running: false,
+                last: None,
+            });
+            update.motors[0].may_turn = may_turn;
+        });
+    };
+    let offered = || bench.find_all("button", "Stop it").len() == 1;
+    sent(true);
+    bench.until("the offer", offered).await;
+    bench.received().await;
+    bench.click("Stop it");
+    assert_eq!(bench.commands().await, [Command::StopRaw]);
+    sent(false);
+    bench.until("no offer", || !offered()).await;
+}

@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    bus::{Refusal, is_hazardous, unassignable_id},
+    bus::{Activity, MotorStatus, RawStatus, Refusal, is_hazardous, unassignable_id},
     protocol::Layout,
 };
 
@@ -16,7 +16,7 @@ use crate::{
     },
     model::{
         guards::{send_blocked_by, stop_blocked_by},
-        snapshot::Reading,
+        snapshot::{Reading, Session},
         tab::Tab,
         terms, tool_entry,
     },
@@ -189,6 +189,13 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     }
 }
 
+/// Whether a frame that is not repeated may have set a motor in motion that nothing has stopped since.
+fn runs_by_raw_frame(session: &Session) -> bool {
+    let sent = |raw: RawStatus| !raw.running && raw.sent > 0 && is_hazardous(&raw.frame);
+    let may_turn = |motor: &MotorStatus| motor.may_turn && motor.activity == Activity::Idle;
+    session.raw.is_some_and(sent) && !session.is_recording() && session.motors.iter().any(may_turn)
+}
+
 /// The result of the last frame, while it is the entered one or repeats.
 #[component]
 fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
@@ -218,10 +225,19 @@ fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             .unwrap_or_else(otherwise)
     };
     let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
+    let runs = page.of_motor(|session, _| runs_by_raw_frame(session));
     view! {
         <output class="answer" class:bad=dynamic(not_sent) aria-label=tr!("Reply") aria-live="off">
             <span class="answer-title">{dynamic(title)}</span>
             <span class="answer-words">{dynamic(words)}</span>
         </output>
+        <div class="keeps-frame" hidden=dynamic(move || !runs.get())>
+            <p>{tr!("The motor may keep this frame: it runs until it is stopped.")}</p>
+            <PressButton
+                label=tr!("Stop it")
+                class="button halt"
+                on_press=move || raw.stop_raw()
+            />
+        </div>
     }
 }
