@@ -116,6 +116,23 @@ pub(crate) const CURRENT: Entry = Entry {
     page: 1000.0,
 };
 
+/// Amps of the greatest raw torque current.
+const AMPS_MAX: f32 = 8.0;
+
+/// Amps per step of the raw torque current.
+const AMPS_PER_RAW: f64 = AMPS_MAX as f64 / CurrentTarget::MAX as f64;
+
+/// The same raw torque current, in amps.
+pub(crate) const AMPS: Entry = Entry {
+    min: CurrentTarget::MIN,
+    max: CurrentTarget::MAX,
+    read: amps,
+    show: |raw| CurrentTarget::new(raw).map_or_else(|_| String::new(), format::amps_of_target),
+    scale: AMPS_PER_RAW,
+    step: 0.05,
+    page: 0.5,
+};
+
 /// Raw output without a controller.
 pub(crate) const OUTPUT: Entry = Entry {
     min: OpenLoopTarget::MIN,
@@ -250,6 +267,30 @@ pub(crate) fn plain(text: &str) -> String {
             other => other,
         })
         .collect()
+}
+
+fn amps(text: &str, min: i32, max: i32) -> Typed {
+    let text = plain(text);
+    let text = text.trim_end_matches('A');
+    if is_unfinished(text) {
+        return Typed::Unfinished;
+    }
+    let Some(amps) = decimal(text) else {
+        return Typed::Wrong(tr!("Enter the current in amps.").to_owned());
+    };
+    let raw = i32::from(CurrentTarget::from_amps(amps));
+    // A range of whole amps ends between two raw numbers.
+    let in_range = (min - 1..=max + 1).contains(&raw) && amps.abs() <= AMPS_MAX;
+    if in_range {
+        return Typed::Value(raw.clamp(min, max));
+    }
+    let end = |raw| CurrentTarget::new(raw).map_or_else(|_| String::new(), format::amps_of_target);
+    Typed::Wrong(tr!(
+        "Current must be {min} to {max} A, not {text}.",
+        min = end(min),
+        max = end(max),
+        text
+    ))
 }
 
 fn is_unfinished(text: &str) -> bool {

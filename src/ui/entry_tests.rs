@@ -47,6 +47,9 @@ fn out_of_range_names_the_range() {
         (RATE, "0", "1 to 500"),
         (SPEED_LIMIT, "0", "1 to 380"),
         (SPEED_LIMIT.limited(210), "211", "1 to 210"),
+        (AMPS, "8.1", "\u{2212}8.00 to +8.00 A"),
+        (AMPS.limited(16_383), "4.1", "\u{2212}4.00 to +4.00 A"),
+        (AMPS, "-99999999999", "\u{2212}8.00 to +8.00 A"),
         (CURRENT_LIMIT, "0", "0.1 to 8 A"),
         (CURRENT_LIMIT, "8.1", "0.1 to 8 A"),
         (CURRENT_LIMIT.limited(4_000), "4.1", "0.1 to 4 A"),
@@ -87,6 +90,18 @@ fn keys_move_what_is_shown_and_end_at_the_range() {
     assert_eq!(CURRENT_LIMIT.moved(2_700, CURRENT_LIMIT.step), 2_800);
     assert_eq!(CURRENT_LIMIT.moved(2_700, -CURRENT_LIMIT.page), 1_700);
     assert_eq!(CURRENT_LIMIT.moved(7_900, CURRENT_LIMIT.page), 8_000);
+}
+
+#[test]
+fn amps_are_a_raw_current() {
+    for (text, raw) in [("2", 8_192), ("-0,5", -2_048), ("8 A", 32_767), ("0", 0)] {
+        assert_eq!(AMPS.read(text), Typed::Value(raw), "{text}");
+    }
+    // 4 A is between two raw numbers.
+    assert_eq!(AMPS.limited(16_383).read("4"), Typed::Value(16_383));
+    assert_eq!((AMPS.show)(-2_048), "\u{2212}0.50");
+    assert_eq!(AMPS.moved(2_048, AMPS.step), 2_253);
+    assert_eq!(AMPS.plain(-2_048), "-0.50");
 }
 
 #[test]

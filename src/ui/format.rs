@@ -80,9 +80,22 @@ pub(crate) fn current_in(value: Current, is_certain: bool) -> (String, &'static 
     }
 }
 
+/// Torque of a DDSM115 per current: its data sheet, 0.96 N·m at 1.25 A.
+const TORQUE_NM_PER_A: f32 = 0.75;
+
 /// `+2.44 A`
 pub(crate) fn amps_of(target: CurrentTarget) -> String {
-    format!("{} A", signed_decimal(target.amps(), 2))
+    format!("{} A", amps_of_target(target))
+}
+
+/// `+2.44`, in amps.
+pub(crate) fn amps_of_target(target: CurrentTarget) -> String {
+    signed_decimal(target.amps(), 2)
+}
+
+/// `+1.83 N·m`: the torque of a DDSM115.
+pub(crate) fn torque_of(target: CurrentTarget) -> String {
+    format!("{} N·m", signed_decimal(target.amps() * TORQUE_NM_PER_A, 2))
 }
 
 /// `90.00`

@@ -135,7 +135,7 @@ async fn a_speed_out_of_range_is_kept_explained_and_not_sent() {
 #[wasm_bindgen_test]
 async fn a_high_current_asks_first() {
     let bench = Bench::with_motor("high-current", Mode::Current).await;
-    bench.enter("Target current", "26000");
+    bench.enter("Raw current", "26000");
     bench.click("Start");
     assert_eq!(bench.commands().await, []);
     assert_eq!(bench.find_all("alertdialog", "High current").len(), 1);
@@ -148,12 +148,23 @@ async fn a_high_current_asks_first() {
     assert_eq!(bench.find_all("alertdialog", "High current").len(), 0);
 }
 
+#[wasm_bindgen_test]
+async fn a_target_current_is_entered_in_amps() {
+    let bench = Bench::with_motor("amps", Mode::Current).await;
+    bench.enter("Target current", "0.5");
+    let torque = || bench.text("status", "Target torque");
+    bench.until("the torque", || torque() == "+0.38 N·m").await;
+    bench.click("Start");
+    let setpoint = Setpoint::Current(CurrentTarget::new(2_048).unwrap());
+    assert_eq!(bench.commands().await, [drive(setpoint, Consent::None)]);
+}
+
 /// The one that is asked for may be another motor behind a replug.
 #[wasm_bindgen_test]
 async fn a_question_about_a_motor_does_not_outlive_its_connection_or_its_choice() {
     for way in ["unplugged", "replugged", "other motor"] {
         let bench = Bench::with_motor(&format!("consent {way}"), Mode::Current).await;
-        bench.enter("Target current", "26000");
+        bench.enter("Raw current", "26000");
         bench.click("Start");
         let asked = || bench.find_all("alertdialog", "High current").len() == 1;
         bench.until("the question", asked).await;

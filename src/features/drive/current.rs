@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::{
     bus::HIGH_CURRENT_RAW,
-    protocol::{CurrentTarget, Mode},
+    protocol::{CurrentTarget, Mode, family::Model},
 };
 
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
         stop_and_start::stop_and_start,
     },
+    model::page::Page,
     ui::{
         button::PressButton,
         entry, format,
@@ -51,28 +52,22 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let disabled_reason = loop_blocked_by(page, MODE);
     let start_blocked_by = loop_start_blocked_by(page, MODE, [current]);
     let raw_max = Box::leak(Box::new(move || raw_of(page.current_max_ma())));
-    let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
-    let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
+    // Of the others no figure is known.
+    let torque = move || {
+        let target = CurrentTarget::new(current.get()).unwrap_or_default();
+        (page.model.get() == Model::Ddsm115).then(|| format::torque_of(target))
+    };
     let hint = Signal::derive(move || {
-        let max_ma = page.current_max_ma();
         let (limit, amps) = current_limit(page);
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
             tr!("Above 6.1 A: confirm on Start").to_owned()
-        } else if current.get().abs() > limit && limit < raw_of(max_ma) {
+        } else if current.get().abs() > limit && limit < raw_of(page.current_max_ma()) {
             tr!(
                 "Above your limit: a motor that draws more than {amps} A is stopped",
                 amps
             )
-        } else if max_ma < FULL_SCALE_MA {
-            tr!(
-                "±{raw} = ±{amps} A; the motor's own raw numbers differ",
-                raw = raw_of(max_ma),
-                amps = max_ma / 1_000
-            )
-        } else if mirrored.get() {
-            tr!("±32\u{202F}767 = ±8 A; mirrored").to_owned()
         } else {
-            tr!("±32\u{202F}767 = ±8 A").to_owned()
+            String::new()
         }
     });
     let limit = Box::leak(Box::new(move || current_limit(page).0));
@@ -95,30 +90,42 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
         }
     };
     let body = view! {
-        <NumberField
-            id="target-current"
-            name=tr!("Target current")
-            unit=tr!("raw")
-            hint=hint
-            target=current
-            entry=entry::CURRENT
-            limit=raw_max
-            on_edit=move || drive.adjust(MODE)
-        />
+        <div class="amps-and-raw">
+            <NumberField
+                id="target-current"
+                name=tr!("Target current")
+                unit="A"
+                hint=hint
+                target=current
+                entry=entry::AMPS
+                limit=raw_max
+                on_edit=move || drive.adjust(MODE)
+            />
+            <NumberField
+                id="raw-current"
+                name=tr!("Raw current")
+                unit=tr!("raw")
+                hint=raw_range(page)
+                target=current
+                entry=entry::CURRENT
+                limit=raw_max
+                on_edit=move || drive.adjust(MODE)
+            />
+        </div>
         <Slider
             name=tr!("Target current")
-            unit=tr!("raw")
+            unit="A"
             target=current
-            entry=entry::CURRENT
+            entry=entry::AMPS
             limit=limit
             marks=ends
             on_edit=move || drive.adjust(MODE)
         />
         <LimitLink page quantity=Quantity::Current />
-        <p class="equals">
-            "= "
-            <output aria-label=tr!("Target current in amps") aria-live="off">
-                {dynamic(in_amps)}
+        <p class="equals" hidden=dynamic(move || torque().is_none())>
+            "≈ "
+            <output aria-label=tr!("Target torque") aria-live="off">
+                {dynamic(torque)}
             </output>
         </p>
         <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
@@ -128,4 +135,23 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     };
     let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");
     loop_panel(drive, MODE, start_blocked_by, hint.to_owned().into(), body)
+}
+
+/// What the raw numbers mean.
+fn raw_range(page: Page) -> Signal<String> {
+    let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
+    Signal::derive(move || {
+        let max_ma = page.current_max_ma();
+        if max_ma < FULL_SCALE_MA {
+            tr!(
+                "±{raw} = ±{amps} A; the motor's own raw numbers differ",
+                raw = raw_of(max_ma),
+                amps = max_ma / 1_000
+            )
+        } else if mirrored.get() {
+            tr!("±32\u{202F}767 = ±8 A; mirrored").to_owned()
+        } else {
+            tr!("±32\u{202F}767 = ±8 A").to_owned()
+        }
+    })
 }

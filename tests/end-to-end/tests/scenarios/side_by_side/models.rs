@@ -49,7 +49,7 @@ const OPEN_LOOP: Loop = Loop {
 const CURRENT: Loop = Loop {
     tab: "Current",
     switch: "Switch to current loop",
-    field: "Target current",
+    field: "Raw current",
     setpoint: "60",
 };
 const POSITION: Loop = Loop {
