@@ -106,6 +106,14 @@ impl Page {
         }
     }
 
+    /// Whether the names and sides are those of the motors on the present line: one virtual motor shares those of the
+    /// real line.
+    pub(crate) fn has_own_motors(self) -> bool {
+        let connection = self.latest.with_value(|session| session.connection);
+        let line = connection.virtual_line();
+        names_of_line::own(line) == line
+    }
+
     fn save_names(self) {
         let connection = self.latest.with_value(|session| session.connection);
         let names = self.motors.names;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::MotorId;
+use motorlink_messages::{experiments::analysis::WhenSilent, protocol::MotorId};
 
 use crate::model::{
     mirror::Mirror,
@@ -66,6 +66,8 @@ pub(crate) struct NameAndSide {
     pub(crate) side: Side,
     /// Whether it is in the group.
     pub(crate) drives: bool,
+    /// What it was measured to do when frames cease.
+    pub(crate) when_silent: Option<WhenSilent>,
 }
 
 impl NameAndSide {
@@ -131,13 +133,15 @@ impl NamesAndSides {
         driving.map(|(id, member)| (*id, member.side)).collect()
     }
 
-    /// One line per motor: `7 yes left Front left`, with tabs between.
+    /// One line per motor: `7 yes left Front left keeps`, with tabs between.
     fn to_text(&self) -> String {
         let mut text = String::new();
         for (id, member) in &self.0 {
             let drives = if member.drives { "yes" } else { "no" };
             let (side, name) = (member.side.key(), member.name.trim());
-            let _ = writeln!(text, "{}\t{drives}\t{side}\t{name}", id.get());
+            let when_silent = member.when_silent.map_or("", WhenSilent::key);
+            let id = id.get();
+            let _ = writeln!(text, "{id}\t{drives}\t{side}\t{name}\t{when_silent}");
         }
         text
     }
@@ -146,7 +150,7 @@ impl NamesAndSides {
     pub(crate) fn from_text(text: &str) -> Self {
         let mut names = Self::default();
         for line in text.lines() {
-            let mut parts = line.splitn(4, '\t');
+            let mut parts = line.split('\t');
             let id = parts.next().and_then(|id| id.parse().ok());
             let drives = parts.next();
             let side = parts.next().and_then(Side::from_key);
@@ -157,6 +161,7 @@ impl NamesAndSides {
                 member.drives = drives == "yes";
                 member.side = side;
                 member.set_name(parts.next().unwrap_or_default());
+                member.when_silent = parts.next().and_then(WhenSilent::from_key);
             });
         }
         names
@@ -193,6 +198,9 @@ pub(crate) mod tests {
     fn what_is_remembered_comes_back() {
         let mut names = rover();
         names.change(id(7), |member| member.set_name("<b>\"Front\" & left</b>"));
+        names.change(id(1), |member| {
+            member.when_silent = Some(WhenSilent::Keeps);
+        });
         assert_eq!(names.member(id(7)).unwrap().name(), "<b>\"Front\" & lef");
         assert_eq!(NamesAndSides::from_text(&names.to_text()), names);
         assert_eq!(NamesAndSides::from_text(""), NamesAndSides::default());

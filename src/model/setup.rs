@@ -17,6 +17,7 @@
 //! | `motors[].name` | empty where it is left out | at most 16 characters, no control characters |
 //! | `motors[].side` | `"none"` where it is left out | `"none"`, `"left"`, `"right"` |
 //! | `motors[].drives_together` | `false` where it is left out | `true`, `false` |
+//! | `motors[].when_frames_cease` | not tested where it is left out | `"keeps"`, `"coasts"`, `"brakes"` |
 //!
 //! A missing field at the top level leaves its setting unchanged. Any other field, and any field twice, is
 //! refused, because a page must not silently ignore what it does not know. The file is UTF-8 and has at most
@@ -97,14 +98,19 @@ impl Setup {
         if let Some(names) = &self.names {
             text.push_str(",\n  \"motors\": [");
             for (place, (id, member)) in names.members().enumerate() {
+                let when_silent = member.when_silent.map(|it| {
+                    let key = it.key();
+                    format!(", \"when_frames_cease\": \"{key}\"")
+                });
                 let _ = write!(
                     text,
-                    "{}\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {} }}",
+                    "{}\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {}{} }}",
                     if place == 0 { "" } else { "," },
                     id.get(),
                     nojson::Json(member.name().trim()),
                     member.side.key(),
-                    member.drives
+                    member.drives,
+                    when_silent.unwrap_or_default()
                 );
             }
             text.push_str("\n  ]");

@@ -5,6 +5,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter,
     bus::{ExceededLimit, GroupError, GroupSetpoints, Refusal},
+    experiments::analysis::WhenSilent,
     protocol::{Mode, family::Model},
 };
 
@@ -44,6 +45,20 @@ pub(crate) fn exceeded_limit(exceeded: ExceededLimit) -> String {
             reached = reached.degrees(),
             limit
         ),
+    }
+}
+
+/// The name of the test of what a motor does then.
+pub(crate) fn when_frames_cease() -> &'static str {
+    tr!("When frames cease")
+}
+
+/// What a motor was measured to do when frames cease.
+pub(crate) fn when_silent(it: WhenSilent) -> &'static str {
+    match it {
+        WhenSilent::Keeps => tr!("keeps its last command"),
+        WhenSilent::Coasts => tr!("coasts"),
+        WhenSilent::Brakes => tr!("brakes" as "the motor"),
     }
 }
 

@@ -3,10 +3,10 @@
 use std::{ops::AddAssign, time::Duration};
 
 use fastrand::Rng;
-use motorlink_bus::{Bus, BusSettings, Command, Consent, Event, GroupSetpoints, Refusal};
+use motorlink_bus::{Bus, BusSettings, Command, Consent, Event, GroupSetpoints, Refusal, Withheld};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    runner::{Cause, End, Options, Phase},
+    runner::{Cause, End, Options, Phase, SilentSteps},
     sequence::{
         Action, Condition, End as StepEnd, Move, Quantity, Repeat, Selection, Sequence, Shape,
         Step, Wave,
@@ -139,6 +139,16 @@ impl Line for Watched<'_> {
         answer
     }
 
+    fn withhold(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        time: Duration,
+        withheld: Withheld,
+    ) -> Result<(), Refusal> {
+        self.bus.withhold(now, id, time, withheld)
+    }
+
     fn drives(&self, now: Instant, id: MotorId) -> bool {
         self.bus.drives(now, id)
     }
@@ -162,6 +172,7 @@ impl SequenceRun {
         let options = Options {
             period: Duration::from_millis(rng.u64(2..=40)),
             stop_on_lost_focus: true,
+            silent_steps: SilentSteps::NONE,
         };
         let traps = now + Duration::from_millis(rng.u64(500..5_000));
         Some(Self {

@@ -1,6 +1,10 @@
 //! What crosses between the two sides of a run.
 
-use motorlink_bus::{CommandRate, GroupSetpoints, Refusal, Sample, StopReason, WithdrawReason};
+use std::time::Duration;
+
+use motorlink_bus::{
+    CommandRate, GroupSetpoints, Refusal, Sample, StopReason, WithdrawReason, Withheld,
+};
 use motorlink_protocol::{Frame, Instant, Mode, MotorId};
 use serde::{Deserialize, Serialize};
 
@@ -84,6 +88,13 @@ pub enum Act {
     },
     /// Change the setpoints of the motors that the run drives.
     Follow(GroupSetpoints),
+    /// Withhold frames of the motors that the run drives.
+    Withhold {
+        /// For how long, at most.
+        time: Duration,
+        /// Which frames.
+        withheld: Withheld,
+    },
     /// Stop the motors of the run.
     Stop,
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, Bus, BusSettings, Command, CommandRate, Consent, Event, GroupSetpoints, LineEvent,
-    LineEventKind, Refusal, StopReason,
+    LineEventKind, Refusal, StopReason, Withheld,
 };
 use motorlink_protocol::{Instant, MotorId};
 
@@ -28,6 +28,18 @@ pub trait Line {
     /// As there.
     fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal>;
 
+    /// See [`Bus::withhold`].
+    ///
+    /// # Errors
+    /// As there.
+    fn withhold(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        time: Duration,
+        withheld: Withheld,
+    ) -> Result<(), Refusal>;
+
     /// Whether the motor is driven.
     fn drives(&self, now: Instant, id: MotorId) -> bool;
 }
@@ -39,6 +51,16 @@ impl Line for Bus {
 
     fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal> {
         self.follow_plan(now, setpoints)
+    }
+
+    fn withhold(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        time: Duration,
+        withheld: Withheld,
+    ) -> Result<(), Refusal> {
+        self.withhold(now, id, time, withheld)
     }
 
     fn drives(&self, now: Instant, id: MotorId) -> bool {
@@ -142,8 +164,17 @@ impl Host {
                 (Act::Follow(setpoints), Some(bus)) if self.driving.is_some() => {
                     bus.follow_plan(now, &setpoints)
                 }
+                (Act::Withhold { time, withheld }, Some(bus)) => match &self.driving {
+                    Some(driving) => {
+                        let mut entries = driving.motors.entries();
+                        entries.try_for_each(|(id, _)| bus.withhold(now, id, time, withheld))
+                    }
+                    None => Err(Refusal::Halted),
+                },
                 // Without a port, or after the motors were stopped, nothing is driven.
-                (Act::Start { .. } | Act::Follow(_), _) => Err(Refusal::Halted),
+                (Act::Start { .. } | Act::Follow(_) | Act::Withhold { .. }, _) => {
+                    Err(Refusal::Halted)
+                }
                 (Act::Nothing, _) => Ok(()),
                 (Act::Stop, _) => {
                     self.stop(now, bus.as_deref_mut(), of_person);

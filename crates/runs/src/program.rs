@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{CommandRate, GroupSetpoints, SLEEP_MIN, Sample};
+use motorlink_bus::{CommandRate, GroupSetpoints, SLEEP_MIN, Sample, Withheld};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    runner::{Cause, Options, Phase, Runner, StartRefusal, Telemetry, Tick},
+    runner::{self, Cause, Options, Phase, Runner, StartRefusal, Telemetry, Tick},
     sequence::Sequence,
 };
 use motorlink_messages::{
@@ -22,6 +22,8 @@ use crate::{
 
 /// Drive frames a second, at least: some motors end a command that is not repeated at this rate.
 const RATE_MIN_HZ: u16 = 50;
+/// A tick that is later than this ends a time without frames too late; then they go on by themselves.
+const LATE_TICK: Duration = Duration::from_millis(100);
 
 /// The runs: at most one is armed, running or paused.
 #[derive(Debug, Default)]
@@ -37,6 +39,8 @@ struct Run {
     rate: CommandRate,
     /// Whether the motors have been started.
     has_started: bool,
+    /// What has been withheld since the last setpoints.
+    withheld: Option<runner::Withheld>,
     wake: Option<Instant>,
     last_tick: Option<Instant>,
     report: Report,
@@ -161,6 +165,7 @@ impl Program {
             runner,
             rate: rate(options.period),
             has_started: false,
+            withheld: None,
             wake,
             last_tick: None,
             report: Report::new(number),
@@ -186,11 +191,42 @@ impl Run {
                 Act::Stop
             }
             Tick::Drive { setpoints, next } => {
-                self.last_tick = Some(now);
-                // A time that is not in the future would make a busy loop.
-                self.wake = Some(next.max(now + Duration::from_micros(1)));
+                self.ticked(now, next);
+                self.withheld = None;
                 self.drive(&setpoints)
             }
+            Tick::Withhold {
+                withheld,
+                until,
+                next,
+            } => {
+                self.ticked(now, next);
+                self.withhold(now, withheld, until)
+            }
+        }
+    }
+
+    fn ticked(&mut self, now: Instant, next: Instant) {
+        self.last_tick = Some(now);
+        // A time that is not in the future would make a busy loop.
+        self.wake = Some(next.max(now + Duration::from_micros(1)));
+    }
+
+    /// Once for each step: the bus withholds the frames until the next setpoints.
+    fn withhold(&mut self, now: Instant, withheld: runner::Withheld, until: Instant) -> Act {
+        if !self.has_started {
+            return Act::Stop;
+        }
+        if self.withheld.replace(withheld) == Some(withheld) {
+            return Act::Nothing;
+        }
+        Act::Withhold {
+            // The end of the step comes with a tick, which may be late.
+            time: until.since(now) + LATE_TICK,
+            withheld: match withheld {
+                runner::Withheld::DriveFrames => Withheld::DriveFrames,
+                runner::Withheld::Requests => Withheld::Requests,
+            },
         }
     }
 

@@ -5,7 +5,7 @@ mod bench;
 
 use bench::{Bench, ONE, id, ms};
 use motorlink_bus::{Command, Consent, Limits, Repeat, StopReason};
-use motorlink_experiments::runner::{Cause, Options, Phase};
+use motorlink_experiments::runner::{Cause, Options, Phase, SilentSteps};
 use motorlink_messages::runs::{FromRun, NotArmed, ToRun};
 use motorlink_protocol::{Mode, Request, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WireFaults;
@@ -164,6 +164,7 @@ const ABORTS: [Abort; 15] = [
 const OPTIONS: Options = Options {
     period: ms(10),
     stop_on_lost_focus: true,
+    silent_steps: SilentSteps::NONE,
 };
 
 /// Waits for the end of the stop, and checks that nothing drives again.

@@ -59,7 +59,7 @@ impl Experiments {
                 let Some(Ok((study, plan))) = checked else {
                     return false;
                 };
-                let settings = self.options();
+                let settings = self.options(study);
                 let limits = self.limits(plan.limits());
                 self.armed.with_untracked(|armed| {
                     armed.as_ref().is_some_and(|armed| {
@@ -95,11 +95,12 @@ impl Experiments {
     }
 
     /// The settings of the next run.
-    pub(super) fn options(self) -> Options {
+    pub(super) fn options(self, study: &Study) -> Options {
         let rate = self.rate.get().clamp(1, 500);
         Options {
             period: Duration::from_secs(1) / rate,
             stop_on_lost_focus: self.stop_on_lost_focus.get(),
+            silent_steps: study.silent_steps(),
         }
     }
 
@@ -165,7 +166,7 @@ impl Experiments {
             .next_number()
             .max(self.run.get_value().wrapping_add(1));
         self.run.set_value(run);
-        let options = untrack(|| self.options());
+        let options = untrack(|| self.options(&study));
         let message = ToRun::Arm {
             run,
             sequence: study.sequence().to_json(),

@@ -213,6 +213,7 @@ fn set_motor(study: &mut Study, id: MotorId) {
         Study::CoastDown(study) => study.motor = id,
         Study::Heating(study) => study.motor = id,
         Study::TorqueSpeed(study) => study.motor = id,
+        Study::Silence(study) => study.motor = id,
     }
 }
 

@@ -8,7 +8,7 @@ use motorlink_messages::{
     decode,
     experiments::{
         runner::{Cause, End, Phase, RecordPart},
-        study::{Study, StudyKind},
+        study::{Findings, Study, StudyKind},
     },
     protocol::Instant,
     runs::{FromRun, RunState},
@@ -21,7 +21,7 @@ use crate::{
         state::{Armed, Experiments, Shown},
         texts,
     },
-    model::{log_lines, runs},
+    model::{log_lines, names_and_sides::NameAndSide, runs},
     ui::clock::{page_now_ms, page_origin_ms},
 };
 
@@ -144,8 +144,24 @@ impl Experiments {
                 log_lines::calm(tr!("Run ended: {how}", how))
             });
             self.kept.end(armed.run, end);
+            self.remember_result(armed);
         } else {
             self.said.set(texts::disarmed(end));
+        }
+    }
+
+    /// Remembers for the motor what it does when frames cease, if that was measured.
+    fn remember_result(self, armed: &Armed) {
+        let Study::Silence(study) = &armed.study else {
+            return;
+        };
+        let findings = untrack(|| self.kept.findings(armed.run));
+        if let Some(Findings::Silence(found)) = findings.as_deref()
+            && found.result.is_some()
+            && self.page.has_own_motors()
+        {
+            let change = |member: &mut NameAndSide| member.when_silent = found.result;
+            self.page.change_member(study.motor, change);
         }
     }
 

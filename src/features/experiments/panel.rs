@@ -176,6 +176,7 @@ fn characterise(of: Experiments) -> impl IntoView {
         StudyKind::CoastDown,
         StudyKind::Heating,
         StudyKind::TorqueSpeed,
+        StudyKind::Silence,
     ];
     let button = move |kind| {
         let pressed = move || of.characterise.get() == kind;

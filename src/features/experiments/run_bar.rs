@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     plan::PlanMotor,
-    runner::Phase,
+    runner::{Phase, SilentSteps},
     sequence::{Quantity, RunLimits},
 };
 use wasm_bindgen::JsCast;
@@ -207,11 +207,18 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
     if armed.options.stop_on_lost_focus {
         ends = format!("{ends} {}", tr!("So does a lost focus."));
     }
+    let silence = (armed.options.silent_steps != SilentSteps::NONE).then(|| {
+        let words = tr!(
+            "Frames cease for 0.6 s, twice. The wheel may keep turning meanwhile; STOP works at once."
+        );
+        view! { <p>{words}</p> }
+    });
     let lines = lines.into_iter().map(|line| view! { <li>{line}</li> });
     view! {
         <h3>{tr!("Armed. This will move:")}</h3>
         <ul class="run-motors">{lines.collect_view()}</ul>
         <p>{time} " " {rate}</p>
+        {silence}
         <p>{limits}</p>
         <p>{ends}</p>
     }

@@ -77,6 +77,7 @@ pub(super) fn study(kind: StudyKind) -> &'static str {
         StudyKind::CoastDown => tr!("Coast down"),
         StudyKind::Heating => tr!("Heating"),
         StudyKind::TorqueSpeed => tr!("Torque and speed"),
+        StudyKind::Silence => terms::when_frames_cease(),
     }
 }
 
@@ -126,6 +127,9 @@ pub(super) fn advice(kind: StudyKind) -> &'static str {
         ),
         StudyKind::TorqueSpeed => tr!(
             "The wheel turns at one speed. Load it more and more with a brake. Keep hands, gloves and hair clear."
+        ),
+        StudyKind::Silence => tr!(
+            "The wheel turns freely at 30 rpm. Drive frames cease for 0.6 s while queries go on, and then once more without queries. At the end the motor is stopped."
         ),
     }
 }

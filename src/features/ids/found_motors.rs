@@ -95,12 +95,17 @@ pub(crate) fn list_html(motors: &[FoundMotor], names: &NamesAndSides) -> String 
             side => side.words(),
         };
         let look = if *is_wrong { " bad" } else { "" };
+        let cease = terms::when_frames_cease();
+        let tested = member.when_silent.map(terms::when_silent);
+        let tested = tested.unwrap_or(tr!("not tested"));
         let _ = write!(
             html,
             "<li><button type=\"button\" class=\"found\" value=\"{number}\" \
              aria-pressed=\"{chosen}\"><b>{id}</b> <span class=\"found-number\">· {number}</span> \
              <span class=\"found-name\">{name}</span> <span class=\"found-side\">{side}</span> \
-             <span class=\"found-reports{look}\">{reports}</span></button>{}</li>",
+             <span class=\"found-reports{look}\">{reports}</span>\
+             <span class=\"found-silence\" title=\"{cease}\">\
+             <span>{cease}: </span>{tested}</span></button>{}</li>",
             edit_button(*id)
         );
     }
@@ -119,7 +124,10 @@ pub(crate) fn objection(session: &Session, to: AssignableId) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::{Faults, Mode};
+    use motorlink_messages::{
+        experiments::analysis::WhenSilent,
+        protocol::{Faults, Mode},
+    };
 
     use super::*;
     use crate::model::{
@@ -174,10 +182,14 @@ mod tests {
         names.change(id(2), |member| {
             member.set_name("<Front>");
             member.side = Side::Left;
+            member.when_silent = Some(WhenSilent::Keeps);
         });
         let html = list_html(&found_motors(&session, &[id(2)], ID), &names);
         assert_eq!(html.matches(">&lt;Front&gt;<").count(), 1, "{html}");
         assert_eq!(html.matches(">left<").count(), 1, "{html}");
+        for silence in ["keeps its last command", "not tested"] {
+            assert_eq!(html.matches(silence).count(), 1, "{html}");
+        }
         assert!(html.contains("aria-label=\"Name and side of motor 0x02\""));
         assert!(html.contains("value=\"1\" aria-pressed=\"true\""), "{html}");
         assert!(

@@ -7,6 +7,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection,
     bus::{Activity, MotorStatus},
+    experiments::analysis::WhenSilent,
     protocol::{Mode, MotorId},
 };
 
@@ -19,6 +20,7 @@ use crate::{
         page::use_page,
         replay,
         snapshot::{Reading, Session},
+        terms,
     },
     ui::{
         format,
@@ -44,7 +46,13 @@ pub(crate) fn Notices(
     let page = use_page();
     watch_quality();
     let none = move || page.notices.with(|board| board.posted().next().is_none());
-    let next = page.of_motor(|session, id| next_steps(session, id).join("\n"));
+    let next = page.of_motor(move |session, id| {
+        let when_silent = page
+            .motors
+            .names
+            .with(|names| names.member(id)?.when_silent);
+        next_steps(session, id, when_silent).join("\n")
+    });
     let slots: Vec<_> = (0..NoticeBoard::SLOTS)
         .map(|place| view! { <Slot place on_remedy /> })
         .collect();
@@ -143,7 +151,8 @@ fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
 }
 
 /// The next steps for the user, in order.
-fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
+fn next_steps(session: &Session, id: MotorId, when_silent: Option<WhenSilent>) -> Vec<String> {
+    let power_switch = power_switch(id, when_silent);
     let steps: &[&str] = match session.connection {
         Connection::Disconnected | Connection::Failed(_) => &[
             tr!(
@@ -152,12 +161,12 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
             ),
             tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
             tr!("3. Keep fingers clear of the wheel and press +50."),
-            power_switch(),
+            &power_switch,
         ],
         Connection::Connecting => &[tr!("Opening the port.")],
         Connection::Reconnecting(_) => &[
             tr!("Plug the adapter back in. No motor starts until you press Start."),
-            power_switch(),
+            &power_switch,
         ],
         Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
@@ -168,12 +177,27 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
     steps.iter().map(|step| (*step).to_owned()).collect()
 }
 
-/// What nothing on this page can do: said before anything is driven.
-fn power_switch() -> &'static str {
-    tr!(
-        "If the cable or the computer fails, the wheel may keep turning. Only the power switch \
-         stops it then."
-    )
+/// What nothing on this page can do: said before anything is driven. Of a tested motor it is a fact; a time-out of its
+/// firmware is no safety measure.
+fn power_switch(id: MotorId, when_silent: Option<WhenSilent>) -> String {
+    match when_silent {
+        None => tr!(
+            "If the cable or the computer fails, the wheel may keep turning. Only the power switch \
+             stops it then."
+        )
+        .to_owned(),
+        Some(WhenSilent::Keeps) => tr!(
+            "If the cable or the computer fails, motor {id} keeps its last command: that was \
+             tested. Only the power switch stops it then.",
+            id
+        ),
+        Some(tested) => tr!(
+            "Tested: when frames cease, motor {id} {behaviour}. Do not rely on it: use the power \
+             switch.",
+            id,
+            behaviour = terms::when_silent(tested)
+        ),
+    }
 }
 
 fn next_with_motor(session: &Session, id: MotorId) -> String {
@@ -242,24 +266,29 @@ mod tests {
     #[test]
     fn there_is_always_a_next_step() {
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
-        assert!(next_steps(&session, ID)[0].contains("press +50"));
+        assert!(next_steps(&session, ID, None)[0].contains("press +50"));
         session.motors[0].activity = Activity::Driven {
             setpoint: Setpoint::velocity(SpeedTarget::clamped(100)),
         };
-        assert!(next_steps(&session, ID)[0].contains("+100 rpm"));
+        assert!(next_steps(&session, ID, None)[0].contains("+100 rpm"));
         session.motors[0].activity = Activity::Idle;
         session.motors[0].may_turn = true;
-        assert!(next_steps(&session, ID)[0].contains("may turn"));
+        assert!(next_steps(&session, ID, None)[0].contains("may turn"));
         session.motors[0].turns_unasked = true;
-        assert!(next_steps(&session, ID)[0].contains("Press Stop it"));
+        assert!(next_steps(&session, ID, None)[0].contains("Press Stop it"));
         session.halted = true;
-        assert!(next_steps(&session, ID)[0].contains("Release"));
+        assert!(next_steps(&session, ID, None)[0].contains("Release"));
         session.halted = false;
         session.motors.clear();
-        assert!(next_steps(&session, ID)[0].contains("Waiting"));
+        assert!(next_steps(&session, ID, None)[0].contains("Waiting"));
         session.connection = Connection::Disconnected;
-        let first = next_steps(&session, ID);
+        let first = next_steps(&session, ID, None);
         assert_eq!(first.len(), 4);
-        assert!(first[3].contains("Only the power switch"), "{first:?}");
+        assert!(first[3].contains("may keep turning"), "{first:?}");
+        let tested = |it| next_steps(&session, ID, Some(it))[3].clone();
+        assert!(tested(WhenSilent::Keeps).contains("keeps its last command"));
+        for it in [WhenSilent::Coasts, WhenSilent::Brakes] {
+            assert!(tested(it).contains("Do not rely on it"));
+        }
     }
 }

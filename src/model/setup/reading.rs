@@ -3,6 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits, Ramp},
+    experiments::analysis::WhenSilent,
     protocol::MotorId,
 };
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
@@ -24,7 +25,7 @@ const FIELDS: [&str; 10] = [
     "temperature_limit_c",
     "motors",
 ];
-const FIELDS_OF_MOTOR: [&str; 4] = ["id", "name", "side", "drives_together"];
+const FIELDS_OF_MOTOR: [&str; 5] = ["id", "name", "side", "drives_together", "when_frames_cease"];
 
 fn a_version() -> &'static str {
     tr!("1 (the supported version)")
@@ -61,6 +62,9 @@ fn a_name() -> &'static str {
 }
 fn a_side() -> &'static str {
     tr!("\"none\", \"left\" or \"right\"")
+}
+fn a_behaviour() -> &'static str {
+    tr!("\"keeps\", \"coasts\" or \"brakes\"")
 }
 fn fields_in_braces() -> &'static str {
     tr!("a JSON object")
@@ -137,7 +141,7 @@ fn check_version(file: Value) -> Result<(), SetupError> {
 fn names(motors: Value) -> Result<NamesAndSides, SetupError> {
     let mut names = NamesAndSides::default();
     for motor in motors.to_array().map_err(|_| not(motors, a_list()))? {
-        let [id, name, side, drives] = fields(motor, &FIELDS_OF_MOTOR)?;
+        let [id, name, side, drives, when_silent] = fields(motor, &FIELDS_OF_MOTOR)?;
         let at = id.ok_or_else(|| missing(motor, "id", an_id()))?;
         let id = whole(at).and_then(|id| MotorId::new(u8::try_from(id).ok()?).ok());
         let id = id.ok_or_else(|| not(at, an_id()))?;
@@ -149,11 +153,15 @@ fn names(motors: Value) -> Result<NamesAndSides, SetupError> {
         })?;
         let side = fit(side, a_side(), |value| Side::from_key(&text_of(value)?))?;
         let drives = fit(drives, a_yes(), yes)?;
+        let when_silent = fit(when_silent, a_behaviour(), |value| {
+            WhenSilent::from_key(&text_of(value)?)
+        })?;
         names.change(id, |member| {
             // Without trimming, which is only for typed text.
             member.set_name(name.unwrap_or_default().trim());
             member.side = side.unwrap_or_default();
             member.drives = drives.unwrap_or_default();
+            member.when_silent = when_silent;
         });
     }
     Ok(names)

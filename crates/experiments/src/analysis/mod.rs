@@ -9,6 +9,7 @@ mod friction;
 mod heating;
 mod inertia;
 mod least_squares;
+mod silence;
 mod statistics;
 mod step_response;
 mod torque_speed;
@@ -19,6 +20,8 @@ pub use frequency::{BodePoint, Invalid, SineRun, frequency_point, unwrap_phases}
 pub use friction::{Friction, even_replies, friction};
 pub use heating::{Heating, heating};
 pub use inertia::{Inertia, Push, inertia};
+pub use silence::{Silence, WhenSilent};
+pub(crate) use silence::{keeps, median};
 pub use statistics::{CONFIDENCE, Estimate, Spread, spread};
 pub use step_response::{StepFigures, StepRun, StepSummary, step_figures, step_summary};
 pub use torque_speed::{TorqueSpeed, torque_speed};

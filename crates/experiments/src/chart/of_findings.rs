@@ -94,7 +94,9 @@ const fn kinds(findings: &Findings) -> &'static [(AxisName, AxisName)] {
             (AxisName::Time, AxisName::Speed),
             (AxisName::Time, AxisName::Current),
         ],
-        Findings::Step(_) | Findings::CoastDown(_) => &[(AxisName::Time, AxisName::Speed)],
+        Findings::Step(_) | Findings::CoastDown(_) | Findings::Silence(_) => {
+            &[(AxisName::Time, AxisName::Speed)]
+        }
         Findings::Frequency(_) => &[
             (AxisName::Frequency, AxisName::Gain),
             (AxisName::Frequency, AxisName::Phase),
@@ -167,6 +169,14 @@ fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<
             coasts
                 .map(|coast| line(Look::Plain, pairs(coast)))
                 .collect()
+        }
+        Findings::Silence(found) => {
+            let [asked, unasked] = &found.curves;
+            vec![
+                line(Look::Plain, pairs(asked)),
+                line(Look::Dots, pairs(asked)),
+                line(Look::Dots, pairs(unasked)),
+            ]
         }
         Findings::Heating(found) => {
             let mut lines = vec![line(Look::Dots, pairs(&found.celsius))];

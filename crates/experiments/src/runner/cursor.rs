@@ -63,6 +63,11 @@ impl Cursor {
         }
     }
 
+    /// The present instruction.
+    pub(super) const fn step(&self) -> usize {
+        self.op
+    }
+
     /// Advances to this time of the plan. A timed step ends at its own time, not at the time of this call.
     pub(super) fn advance(
         &mut self,

@@ -11,6 +11,7 @@ mod cause;
 mod cursor;
 mod mirror;
 mod record;
+mod silent_steps;
 mod watch;
 
 use std::time::Duration;
@@ -19,6 +20,7 @@ use motorlink_protocol::{Instant, MotorId, Setpoint};
 
 pub use cause::{Cause, End, ExceededLimit, StartRefusal};
 pub use record::{Mark, Record, RecordPart, Sample, SentSetpoint};
+pub use silent_steps::{SilentStep, SilentSteps, Withheld};
 pub use watch::Telemetry;
 
 use crate::plan::{Plan, PlanMotor};
@@ -45,6 +47,8 @@ pub struct Options {
     pub period: Duration,
     /// Whether the run ends when the page loses the focus or is hidden.
     pub stop_on_lost_focus: bool,
+    /// The steps without drive frames.
+    pub silent_steps: SilentSteps,
 }
 
 impl Default for Options {
@@ -53,6 +57,7 @@ impl Default for Options {
         Self {
             period: Duration::from_millis(5),
             stop_on_lost_focus: false,
+            silent_steps: SilentSteps::NONE,
         }
     }
 }
@@ -86,6 +91,15 @@ pub enum Tick {
         /// The next tick.
         next: Instant,
     },
+    /// Withhold frames of these motors, which keep their setpoints, until a step ends; tick again at `next`.
+    Withhold {
+        /// Which frames.
+        withheld: Withheld,
+        /// The end of the step.
+        until: Instant,
+        /// The next tick.
+        next: Instant,
+    },
     /// Stop every motor of the run. Given once.
     Stop(End),
 }
@@ -113,6 +127,8 @@ struct Run {
     /// When the plan's time was zero; pauses move it.
     base: Instant,
     last_tick: Instant,
+    /// The end of the last step without requests, so far: nothing was to be heard until then.
+    unasked_until: Instant,
     cursor: Cursor,
 }
 
@@ -190,6 +206,7 @@ impl Runner {
         self.state = State::Running(Run {
             base: now,
             last_tick: now,
+            unasked_until: Instant::ZERO,
             cursor: Cursor::new(held),
         });
         Ok(())
@@ -304,10 +321,21 @@ impl Runner {
                         self.tick(now)
                     }
                     Progress::In { ends } => {
+                        let step_ends = run.base + ends;
+                        let silent = self.options.silent_steps.get(run.cursor.step());
+                        if silent == Some(Withheld::Requests) {
+                            run.unasked_until = step_ends;
+                        }
+                        if let Some(withheld) = silent.filter(|_| step_ends > now) {
+                            return Tick::Withhold {
+                                withheld,
+                                until: step_ends,
+                                next: next_on_grid(run.base, passed, period).min(step_ends),
+                            };
+                        }
                         let values = run.cursor.setpoints(&self.plan, passed);
                         let setpoints = pairs(&self.plan.motors, &values);
                         let grid = next_on_grid(run.base, passed, period);
-                        let step_ends = run.base + ends;
                         let next = if step_ends > now {
                             grid.min(step_ends)
                         } else {
@@ -332,7 +360,9 @@ impl Runner {
         if now.since(run.last_tick) > GAP_MAX {
             return Some(Cause::Late);
         }
-        self.watch.silent(now).map(Cause::Silent)
+        let is_heard = now.since(run.unasked_until) > FRESH_FOR;
+        let silent = self.watch.silent(now).filter(|_| is_heard);
+        silent.map(Cause::Silent)
     }
 
     fn end(&mut self, end: End) {

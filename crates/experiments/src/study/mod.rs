@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `parameter` | the parameters of a study with their ranges: one table for fields, checks and files |
 //! | `spans` | when each step of a run began and ended |
-//! | `step`, `frequency`, `friction`, `coast_down`, `heating`, `torque_speed` | one study each |
+//! | `step`, `frequency`, `friction`, `coast_down`, `heating`, `torque_speed`, `silence` | one study each |
 //! | `file` | a study as JSON, so that a kept run can be evaluated again |
 //!
 //! # Example
@@ -23,6 +23,7 @@ mod frequency;
 mod friction;
 mod heating;
 mod parameter;
+mod silence;
 mod spans;
 mod step;
 mod torque_speed;
@@ -34,13 +35,14 @@ pub use frequency::{FrequencyFindings, FrequencyStudy};
 pub use friction::{FrictionFindings, FrictionStudy, SpeedLevel};
 pub use heating::{HeatingFindings, HeatingStudy};
 pub use parameter::Parameter;
+pub use silence::{SILENT_S, SilenceFindings, SilenceStudy};
 pub use step::{StepFindings, StepGroup, StepRepeat, StepStudy};
 pub use torque_speed::{TorqueSpeedFindings, TorqueSpeedStudy};
 
 use crate::{
     analysis::Trace,
     plan::Fleet,
-    runner::Record,
+    runner::{Record, SilentSteps},
     sequence::{Problem, Sequence, SequenceError},
 };
 
@@ -61,6 +63,8 @@ pub enum Study {
     Heating(HeatingStudy),
     /// Speed by torque, while a person loads the wheel.
     TorqueSpeed(TorqueSpeedStudy),
+    /// What a motor does when drive frames cease.
+    Silence(SilenceStudy),
 }
 
 /// Which study it is.
@@ -80,6 +84,8 @@ pub enum StudyKind {
     Heating,
     /// See [`Study::TorqueSpeed`].
     TorqueSpeed,
+    /// See [`Study::Silence`].
+    Silence,
 }
 
 /// The figures and curves that follow from a run.
@@ -99,6 +105,8 @@ pub enum Findings {
     Heating(HeatingFindings),
     /// See [`Study::TorqueSpeed`].
     TorqueSpeed(TorqueSpeedFindings),
+    /// See [`Study::Silence`].
+    Silence(SilenceFindings),
 }
 
 /// How a run was measured.
@@ -122,7 +130,7 @@ impl Default for Measured {
 
 impl StudyKind {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Sequence,
         Self::Step,
         Self::Frequency,
@@ -130,6 +138,7 @@ impl StudyKind {
         Self::CoastDown,
         Self::Heating,
         Self::TorqueSpeed,
+        Self::Silence,
     ];
 
     /// Its name in a file.
@@ -143,6 +152,7 @@ impl StudyKind {
             Self::CoastDown => "coast_down",
             Self::Heating => "heating",
             Self::TorqueSpeed => "torque_speed",
+            Self::Silence => "when_frames_cease",
         }
     }
 }
@@ -159,6 +169,7 @@ impl Study {
             Self::CoastDown(_) => StudyKind::CoastDown,
             Self::Heating(_) => StudyKind::Heating,
             Self::TorqueSpeed(_) => StudyKind::TorqueSpeed,
+            Self::Silence(_) => StudyKind::Silence,
         }
     }
 
@@ -173,6 +184,7 @@ impl Study {
             StudyKind::CoastDown => Self::CoastDown(CoastDownStudy::of(motor)),
             StudyKind::Heating => Self::Heating(HeatingStudy::of(motor)),
             StudyKind::TorqueSpeed => Self::TorqueSpeed(TorqueSpeedStudy::of(motor)),
+            StudyKind::Silence => Self::Silence(SilenceStudy::of(motor)),
         }
     }
 
@@ -187,13 +199,14 @@ impl Study {
             Self::CoastDown(study) => Some(study.motor),
             Self::Heating(study) => Some(study.motor),
             Self::TorqueSpeed(study) => Some(study.motor),
+            Self::Silence(study) => Some(study.motor),
         }
     }
 
     /// The parameters with their ranges, except the motor and the accelerations.
     pub fn parameters(&mut self) -> Vec<Parameter<'_>> {
         match self {
-            Self::Sequence(_) => Vec::new(),
+            Self::Sequence(_) | Self::Silence(_) => Vec::new(),
             Self::Step(study) => study.parameters(),
             Self::Frequency(study) => study.parameters(),
             Self::Friction(study) => study.parameters(),
@@ -234,6 +247,16 @@ impl Study {
             Self::CoastDown(study) => study.sequence(),
             Self::Heating(study) => study.sequence(),
             Self::TorqueSpeed(study) => study.sequence(),
+            Self::Silence(study) => study.sequence(),
+        }
+    }
+
+    /// The steps of its sequence in which frames are withheld.
+    #[must_use]
+    pub fn silent_steps(&self) -> SilentSteps {
+        match self {
+            Self::Silence(_) => SilenceStudy::silent_steps(),
+            _ => SilentSteps::NONE,
         }
     }
 
@@ -248,6 +271,7 @@ impl Study {
             Self::CoastDown(study) => Findings::CoastDown(study.evaluate(record)),
             Self::Heating(study) => Findings::Heating(study.evaluate(record)),
             Self::TorqueSpeed(study) => Findings::TorqueSpeed(study.evaluate(record)),
+            Self::Silence(study) => Findings::Silence(study.evaluate(record)),
         }
     }
 }

@@ -108,7 +108,7 @@ impl Bench {
                         end,
                     };
                 }
-                Tick::Idle => panic!("an idle run"),
+                Tick::Idle | Tick::Withhold { .. } => panic!("no setpoints"),
             }
         }
     }

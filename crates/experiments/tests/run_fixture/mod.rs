@@ -97,7 +97,7 @@ impl Fixture {
 
     pub fn tick(&mut self) {
         match self.runner.tick(self.now) {
-            Tick::Idle => {}
+            Tick::Idle | Tick::Withhold { .. } => {}
             Tick::Drive { setpoints, .. } => {
                 let now = self.now;
                 self.sent

@@ -49,9 +49,16 @@ pub struct Bench {
 impl Bench {
     /// A port with these motors, which have replied.
     pub fn new(model: Model, motors: u8) -> Self {
-        let now = Instant::from_millis(1_000);
         let motors: Vec<MotorId> = (1..=motors).map(id).collect();
-        let mut world = World::new(WorldConfig::of(model, motors.clone()));
+        Self::of(WorldConfig::of(model, motors))
+    }
+
+    /// A port with the motors of this world, which have replied.
+    pub fn of(config: WorldConfig) -> Self {
+        let now = Instant::from_millis(1_000);
+        let model = config.motors[0].model;
+        let motors: Vec<MotorId> = config.motors.iter().map(|motor| motor.id).collect();
+        let mut world = World::new(config);
         world.advance(now);
         let mut bus = Bus::with_model(now, model);
         for id in &motors {
@@ -93,7 +100,13 @@ impl Bench {
     }
 
     pub fn arm(&mut self, steps: &str, options: Options) {
-        let sequence = format!(r#"{{ "motorlink_sequence": 1, "steps": [{steps}] }}"#);
+        self.arm_sequence(
+            format!(r#"{{ "motorlink_sequence": 1, "steps": [{steps}] }}"#),
+            options,
+        );
+    }
+
+    pub fn arm_sequence(&mut self, sequence: String, options: Options) {
         let fleet = Fleet::of(self.motors.iter().copied());
         self.message(&ToRun::Arm {
             run: 7,

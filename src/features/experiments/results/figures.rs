@@ -5,14 +5,17 @@ use motorlink_messages::experiments::{
     analysis::{Estimate, Spread},
     study::{
         CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
-        StepFindings, TorqueSpeedFindings,
+        SilenceFindings, StepFindings, TorqueSpeedFindings,
     },
 };
 
 use motorlink_messages::protocol::family::Model;
 
 use super::texts;
-use crate::ui::format::{UNKNOWN, in_language, rpm};
+use crate::{
+    model::terms,
+    ui::format::{UNKNOWN, in_language, rpm},
+};
 
 /// A figure, with a value for each column.
 pub(super) struct Figure {
@@ -58,6 +61,7 @@ impl Figures {
             Findings::CoastDown(found) => coast_down(found),
             Findings::Heating(found) => heating(found),
             Findings::TorqueSpeed(found) => torque_speed(found),
+            Findings::Silence(found) => silence(found),
         }
     }
 
@@ -305,11 +309,34 @@ fn torque_speed(found: &TorqueSpeedFindings) -> Figures {
     figures
 }
 
+fn silence(found: &SilenceFindings) -> Figures {
+    let mut figures = Figures::default();
+    let result = found
+        .result
+        .map_or(tr!("not measurable"), terms::when_silent);
+    figures.row(terms::when_frames_cease(), Some(result.to_owned()));
+    let speeds = |(before, after): (Option<f64>, Option<f64>)| {
+        let (before, after) = (number(before?, 0), number(after?, 0));
+        Some(format!("{before} → {after} {}", rpm()))
+    };
+    figures.row(tr!("Speed with queries"), speeds(found.asked_rpm));
+    figures.row(tr!("Speed without queries"), speeds(found.unasked_rpm));
+    figures.says(match found.result {
+        Some(_) => tr!(
+            "What the motor did within 0.6 s. Its firmware may do something else later, so frames that cease are never a stop."
+        ),
+        None => tr!(
+            "Replies are missing, the run was cut short, or the wheel did not turn freely at 30 rpm. Check the link and the wheel, then run it again."
+        ),
+    });
+    figures
+}
+
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
         experiments::{
-            analysis::{BodePoint, Invalid},
+            analysis::{BodePoint, Invalid, WhenSilent},
             runner::Record,
             study::{Measured, StepStudy, Study},
         },
@@ -349,6 +376,25 @@ mod tests {
         let figures = Figures::of(&found, "DDSM115");
         assert_eq!(figures.rows.len(), 6);
         assert!(figures.rows.iter().all(|row| row.values == [UNKNOWN]));
+    }
+
+    #[test]
+    fn a_silence_says_its_result_or_that_it_was_not_measurable() {
+        let mut found = SilenceFindings {
+            result: Some(WhenSilent::Keeps),
+            asked_rpm: (Some(30.0), Some(29.7)),
+            unasked_rpm: (Some(30.0), None),
+            curves: [Vec::new(), Vec::new()],
+        };
+        let values = |found: &SilenceFindings| {
+            let figures = Figures::of(&Findings::Silence(found.clone()), "DDSM115");
+            let rows = figures.rows.into_iter();
+            rows.map(|row| row.values.concat()).collect::<Vec<_>>()
+        };
+        let expected = ["keeps its last command", "30 → 30 rpm", UNKNOWN];
+        assert_eq!(values(&found), expected);
+        found.result = None;
+        assert_eq!(values(&found)[0], "not measurable");
     }
 
     #[test]
