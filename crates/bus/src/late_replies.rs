@@ -113,6 +113,12 @@ impl LateReplies {
         self.sent.pop_front();
     }
 
+    /// When the oldest request was sent that a reply outside its window may answer.
+    pub(crate) fn oldest(&self, now: Instant) -> Option<Instant> {
+        let may_come = |sent: &Instant| now.since(*sent) < HELD_MAX;
+        self.sent.iter().copied().find(may_come)
+    }
+
     /// The replies that may arrive before that to a request sent now.
     pub(crate) fn outstanding(&self, now: Instant) -> usize {
         let may_come = |sent: &&Instant| now.since(**sent) < HELD_MAX;

@@ -100,6 +100,7 @@ pub use sample::Sample;
 pub use scan::report::ScanReport;
 pub use settings::BusSettings;
 pub use timing::{
-    FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
+    FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX, FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM,
+    SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
 };
 pub use withheld::{WITHHELD_MAX, Withheld};

@@ -62,7 +62,7 @@ pub(crate) fn next_request(
                     STOP_PERIOD
                 };
             let request = stop.next_request(now, model, id, motor.must_be_enabled_to_brake(now));
-            stop.sent(now, model, request, stop_period, !motor.is_without_answer());
+            stop.sent(now, request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
         (Control::Switching(mut switch), DueFrame::Switch(_)) => {

@@ -70,26 +70,32 @@ impl Bus {
         self.last_late_reply = Some(now);
         self.job_late_reply(now, id);
         let expected = |motor: &Motor| motor.id == id && motor.late.may_come(now);
-        match self.motors.iter_mut().find(|motor| expected(motor)) {
-            Some(motor) => {
-                motor.counters.late += 1;
-                motor.loss.answered_late();
-                motor.late.late_reply();
-                let Reading::Combined(reply) = reading else {
-                    // Of unknown age: it may name the loop before a switch.
-                    motor.separate.unanswered(false);
-                    motor.count_reply();
-                    return;
-                };
-                if !is_certain || motor.late.may_answer_id_query() {
-                    motor.count_reply();
-                } else if motor.late.makes_round_trip_ambiguous(now) {
-                    self.record_reply(now, reply);
-                } else {
-                    motor.record_reply_of_unknown_age(&reply);
-                }
-            }
-            None => self.counters.wrong_ids += 1,
+        let Some(motor) = self.motors.iter_mut().find(|motor| expected(motor)) else {
+            self.counters.wrong_ids += 1;
+            return;
+        };
+        motor.counters.late += 1;
+        motor.loss.answered_late();
+        let oldest = motor.late.oldest(now);
+        motor.late.late_reply();
+        if is_certain && self.stop_takes_late_reply(now, oldest, &reading) {
+            return;
+        }
+        let Some(motor) = self.motor_mut(id) else {
+            return;
+        };
+        let Reading::Combined(reply) = reading else {
+            // Of unknown age: it may name the loop before a switch.
+            motor.separate.unanswered(false);
+            motor.count_reply();
+            return;
+        };
+        if !is_certain || motor.late.may_answer_id_query() {
+            motor.count_reply();
+        } else if motor.late.makes_round_trip_ambiguous(now) {
+            self.record_reply(now, reply);
+        } else {
+            motor.record_reply_of_unknown_age(&reply);
         }
     }
 }

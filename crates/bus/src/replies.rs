@@ -256,6 +256,42 @@ impl Bus {
         }
     }
 
+    /// Records a late reply for the stop of its motor, if it can only answer a request of this stop. `oldest` is when
+    /// the oldest request was sent that it may answer.
+    ///
+    /// A stop of several motors does not wait for replies that an adapter holds.
+    pub(crate) fn stop_takes_late_reply(
+        &mut self,
+        now: Instant,
+        oldest: Option<Instant>,
+        reading: &Reading,
+    ) -> bool {
+        let id = reading.id();
+        let Some(motor) = self.motors.iter_mut().find(|motor| motor.id == id) else {
+            return false;
+        };
+        let Control::Stopping(stop) = motor.control else {
+            return false;
+        };
+        let is_of_stop = oldest.is_some_and(|sent| sent >= stop.began());
+        if !is_of_stop || motor.late.may_answer_id_query() || motor.loop_is_unconfirmed() {
+            return false;
+        }
+        let Some(reply) = as_reply(motor, now, reading, None) else {
+            let named = reading.names_loop(motor.model);
+            self.loop_named(now, id, named, false);
+            return true;
+        };
+        let named = !motor.model.has_separate_frames() || motor.last_mode().is_some();
+        if let Control::Stopping(stop) = &mut motor.control
+            && named
+        {
+            stop.record_reply(&reply);
+        }
+        self.record_reply(now, reply);
+        true
+    }
+
     pub(crate) fn record_reply(&mut self, now: Instant, reply: Reply) {
         // A motor that was forgotten meanwhile stays forgotten.
         let limits = self.settings.limits;

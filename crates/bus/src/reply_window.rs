@@ -8,7 +8,7 @@ use crate::{
     bus::{Bus, LastDrive},
     exchange::{Expects, Purpose},
     motor::Control,
-    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, STOP_PATIENCE},
+    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, stop_patience},
 };
 
 impl Bus {
@@ -62,13 +62,16 @@ impl Bus {
             self.round_trip.doublings()
         };
         let window = (window * (1 << doublings)).min(MAX_WINDOW);
-        // The first stop frame of a motor waits at most STOP_PATIENCE for the reply of another motor.
-        let first_stop_frame_waits = self.motors.iter().any(|motor| match motor.control {
-            Control::Stopping(stop) => motor.id != id && !stop.first_frame_sent,
+        // While another motor waits for its first brake, a reply may come late: the line is free once it has passed.
+        let brake_waits = self.motors.iter().any(|motor| match motor.control {
+            Control::Stopping(stop) => {
+                let may_brake_soon = stop.waits_for_brake() && !motor.is_without_answer();
+                motor.id != id && (!stop.first_frame_sent() || may_brake_soon)
+            }
             _ => false,
         });
-        if first_stop_frame_waits {
-            window.min(STOP_PATIENCE)
+        if brake_waits {
+            window.min(stop_patience(self.model))
         } else {
             window
         }

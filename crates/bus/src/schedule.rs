@@ -192,15 +192,15 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
             }
             _ => None,
         });
-        stops.min_by_key(|(id, stop)| (stop.first_frame_sent, stop.round, *id))
+        stops.min_by_key(|(id, stop)| (stop.first_frame_sent(), stop.round, *id))
     };
-    let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent);
+    let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent());
     match (furthest_behind(false), furthest_behind(true)) {
         (Some((id, answers)), Some((silent_id, silent))) => {
             // A motor that joined later may be far behind the recorded round.
             let is_round_over = answers.round >= silent_round || answers.round + 1 < silent_round;
-            let has_its_turn = answers.first_frame_sent && is_round_over;
-            let is_due = !silent.first_frame_sent || silent.next_frame <= answers.next_frame;
+            let has_its_turn = answers.first_frame_sent() && is_round_over;
+            let is_due = !silent.first_frame_sent() || silent.next_frame <= answers.next_frame;
             let is_next = has_its_turn && is_due;
             Some(frame(if is_next {
                 (silent_id, silent)

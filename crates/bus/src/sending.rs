@@ -241,7 +241,7 @@ impl Bus {
                 let motor = self.watch(now, id);
                 let before = motor.control;
                 let is_first =
-                    matches!(motor.control, Control::Stopping(stop) if !stop.first_frame_sent);
+                    matches!(motor.control, Control::Stopping(stop) if !stop.first_frame_sent());
                 motor.control = control;
                 match sent {
                     Sent::Stop => {

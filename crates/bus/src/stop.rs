@@ -15,6 +15,16 @@ use crate::{
     },
 };
 
+/// How far a stop has come with its motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Reached {
+    Nothing,
+    /// Any frame was sent.
+    FirstFrame,
+    /// A brake frame was sent to the motor in the velocity loop.
+    Brake,
+}
+
 /// The stop of one motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopping {
@@ -26,17 +36,12 @@ pub(crate) struct Stopping {
     /// gets its next, so that no wheel brakes first.
     pub(crate) round: u32,
     pub(crate) next_frame: Instant,
-    /// The first frame has priority over everything else on the line.
-    pub(crate) first_frame_sent: bool,
+    reached: Reached,
     switches: u8,
     next_switch: Instant,
-    /// Whether the last frame was a switch. The next one is a brake or a query, so that rounds longer than
-    /// [`SWITCH_PERIOD`] starve neither.
-    has_just_switched: bool,
-    /// Earliest time of the next brake frame: see [`Spec::stop_period_min`].
-    ///
-    /// [`Spec::stop_period_min`]: motorlink_protocol::family::Spec::stop_period_min
-    next_brake: Instant,
+    /// Whether a brake or a query goes before the next switch. Otherwise rounds longer than [`SWITCH_PERIOD`] would
+    /// starve both.
+    asks_next: bool,
     /// Replies in a row that report standstill in the velocity loop.
     standstill_replies: u8,
     /// Whether the last reply since the stop began, of any age, reports the position loop.
@@ -59,12 +64,11 @@ impl Stopping {
             began: now,
             asked: now,
             round,
-            first_frame_sent: false,
+            reached: Reached::Nothing,
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
-            has_just_switched: false,
-            next_brake: now,
+            asks_next: false,
             standstill_replies: 0,
             reports_position: false,
         }
@@ -81,7 +85,7 @@ impl Stopping {
         must_be_enabled: bool,
     ) -> Request {
         let switches = self.plan != StopPlan::Brake || must_be_enabled;
-        if switches && now >= self.next_switch && !self.has_just_switched {
+        if switches && now >= self.next_switch && !self.asks_next {
             if must_be_enabled && self.switches.is_multiple_of(2) {
                 Request::Enable { id, on: true }
             } else {
@@ -90,7 +94,7 @@ impl Stopping {
                     mode: Mode::Velocity,
                 }
             }
-        } else if self.may_brake() && now >= self.next_brake {
+        } else if self.may_brake() {
             let drive = Drive::from(Setpoint::Brake);
             Request::Drive { id, drive }
         } else if model.has_separate_frames() {
@@ -111,28 +115,27 @@ impl Stopping {
     ///
     /// Between two switches an answering motor is queried for its loop; a silent one is queried
     /// after every fifth, since each query costs a reply window.
-    pub(crate) fn sent(
-        &mut self,
-        now: Instant,
-        model: Model,
-        request: Request,
-        period: Duration,
-        answers: bool,
-    ) {
+    pub(crate) fn sent(&mut self, now: Instant, request: Request, period: Duration, answers: bool) {
         self.round += 1;
-        self.first_frame_sent = true;
         self.next_frame = now + period;
-        if let (Request::Drive { .. }, Some(least)) = (request, model.spec().stop_period_min) {
-            self.next_brake = now + least;
-        }
-        self.has_just_switched =
-            matches!(request, Request::SwitchMode { .. } | Request::Enable { .. });
-        if self.has_just_switched {
+        self.asks_next = false;
+        let brakes = matches!(request, Request::Drive { .. }) && self.plan == StopPlan::Brake;
+        self.reached = if brakes {
+            Reached::Brake
+        } else {
+            self.reached.max(Reached::FirstFrame)
+        };
+        if matches!(request, Request::SwitchMode { .. } | Request::Enable { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
             // A switch has no reply, so the next frame need not wait for a round.
-            let asks = answers || self.may_brake() || self.switches.is_multiple_of(SWITCH_FRAMES);
-            self.next_frame = if asks { now } else { self.next_switch };
+            self.asks_next =
+                answers || self.may_brake() || self.switches.is_multiple_of(SWITCH_FRAMES);
+            self.next_frame = if self.asks_next {
+                now
+            } else {
+                self.next_switch
+            };
         }
     }
 
@@ -147,20 +150,10 @@ impl Stopping {
         };
     }
 
-    /// The last frame was unanswered: a brake frame may be lost.
-    pub(crate) fn unanswered(&mut self, now: Instant) {
-        self.next_brake = now;
-    }
-
     /// Records a reply that only names the loop.
     pub(crate) fn record_loop(&mut self, mode: Mode) {
         self.reports_position = mode == Mode::Position;
-        let plan = stop_plan(Some(mode), None);
-        if plan == StopPlan::Brake && self.plan != plan {
-            // A brake frame in another loop did not brake.
-            self.next_brake = self.began;
-        }
-        self.plan = plan;
+        self.plan = stop_plan(Some(mode), None);
     }
 
     /// Records a reply that may be older than this stop. It counts if it reports the position loop.
@@ -170,6 +163,16 @@ impl Stopping {
             self.plan = stop_plan(Some(mode), None);
             self.standstill_replies = 0;
         }
+    }
+
+    /// Whether the first frame was sent. It has priority over everything else on the line.
+    pub(crate) const fn first_frame_sent(&self) -> bool {
+        !matches!(self.reached, Reached::Nothing)
+    }
+
+    /// Whether the motor, as far as its loop is known, has not got a brake frame yet.
+    pub(crate) const fn waits_for_brake(&self) -> bool {
+        !matches!(self.reached, Reached::Brake)
     }
 
     pub(crate) const fn began(&self) -> Instant {

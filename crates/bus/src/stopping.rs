@@ -8,7 +8,7 @@ use crate::{
     exchange::Line,
     motor::{Control, Motor},
     stop::{ActiveStop, Stopping},
-    timing::STOP_PATIENCE,
+    timing::stop_patience,
 };
 
 impl Bus {
@@ -84,7 +84,7 @@ impl Bus {
     /// A stop waits for the reply in flight, but not for a motor that does not answer.
     pub(crate) fn cut_exchange_short(&mut self, now: Instant) {
         if let Line::Busy(exchange) = &mut self.line {
-            let patience = (exchange.sent + STOP_PATIENCE).max(now);
+            let patience = (exchange.sent + stop_patience(self.model)).max(now);
             exchange.window_ends = exchange.window_ends.min(patience);
         }
     }

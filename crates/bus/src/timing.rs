@@ -135,6 +135,15 @@ pub(crate) const SILENT_SWITCHES: u8 = 15;
 /// at 50 Hz.
 pub(crate) const HOLD_REFINED_WITHIN: Duration = Duration::from_millis(40);
 
+/// Motors that [`FIRST_BRAKE_MAX`] holds for.
+pub const FIRST_BRAKE_MOTORS_MAX: u8 = 16;
+/// Each of up to [`FIRST_BRAKE_MOTORS_MAX`] motors gets its first brake frame in the velocity loop within this time after
+/// the stop, from any loop, if the line loses nothing and the motor takes the first mode switch.
+///
+/// A motor costs a brake or a query, a switch and a brake, each as long as the line is occupied: 16.3 ms for a DDSM115,
+/// at any adapter. `cargo run --release -p motorlink-bus --example stops` measures at most 297 ms (16 DDSM400).
+pub const FIRST_BRAKE_MAX: Duration = Duration::from_millis(300);
+
 /// Longest stop of a motor that does not report standstill. From 120 rpm without load the brake
 /// takes 250 ms; a heavy wheel gets twelve times as long.
 pub const STOP_WINDOW: Duration = Duration::from_secs(3);
@@ -143,9 +152,13 @@ pub const STOP_WINDOW: Duration = Duration::from_secs(3);
 /// wheel as it passes zero.
 pub(crate) const STANDSTILL_REPLIES: u8 = 3;
 
-/// A stop waits for the exchange in flight, at most this long after its request: four times the
-/// round trip of a common adapter.
-pub(crate) const STOP_PATIENCE: Duration = Duration::from_millis(10);
+/// A stop waits this long for the exchange in flight, and for each reply while another motor waits for its first
+/// brake: until request and reply have passed the line, with [`SETTLE_TIME`] for the turnaround of the motor. A reply that
+/// the adapter holds longer counts when it comes.
+pub(crate) const fn stop_patience(model: Model) -> Duration {
+    let airtime = model.frame_airtime();
+    airtime.saturating_add(airtime).saturating_add(SETTLE_TIME)
+}
 
 /// Error of a browser's clocks between a request and its reply.
 const CLOCK_ERROR: Duration = Duration::from_micros(236);

@@ -72,7 +72,9 @@ impl Bus {
         match exchange.purpose {
             // A motor that was silent before tells nothing about the adapter, unless all motors are
             // silent.
-            Purpose::Control if self.may_mean_slow_adapter(now, id) => self.round_trip.lost(),
+            Purpose::Control if self.may_mean_slow_adapter(now, exchange, id) => {
+                self.round_trip.lost();
+            }
             Purpose::Control | Purpose::Pause => {}
             Purpose::Job if rest.is_silence() && !is_doubtful => {
                 self.job_probe_ended(now, exchange.sent, id, ProbeResult::Silence);
@@ -104,9 +106,6 @@ impl Bus {
                 if rest.junk_bytes > 0 {
                     motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);
                 }
-                if let Control::Stopping(stop) = &mut motor.control {
-                    stop.unanswered(now);
-                }
                 &mut motor.counters
             }
             None => &mut self.counters,
@@ -127,8 +126,11 @@ impl Bus {
         }
     }
 
-    /// Whether a lost reply of this motor may mean a slower adapter.
-    fn may_mean_slow_adapter(&self, now: Instant, id: MotorId) -> bool {
+    /// Whether a lost reply of this motor may mean a slower adapter. A stop does not wait for all of it.
+    fn may_mean_slow_adapter(&self, now: Instant, exchange: &Exchange, id: MotorId) -> bool {
+        if now.since(exchange.sent) < self.round_trip.usual() {
+            return false;
+        }
         let was_silent = |motor: &Motor| motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX;
         let motor = self.motors.iter().find(|motor| motor.id == id);
         let other_answers = |motor: &Motor| motor.id != id && motor.fresh_speed(now).is_some();

@@ -1,0 +1,138 @@
+//! Stops of 2 to 16 motors from each loop, on adapters that hold received bytes.
+#![cfg(test)]
+
+mod fixture;
+
+use motorlink_bus::{FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX};
+use motorlink_protocol::{Mode, family::Model};
+
+use fixture::measured_stops::{MeasuredStop, Stopped, loops, measure};
+use fixture::ms;
+
+fn of_115(mode: Mode, motors: u8, hold_ms: u64) -> Stopped {
+    Stopped {
+        model: Model::Ddsm115,
+        mode,
+        motors,
+        hold: ms(hold_ms),
+        switch_frames: 1,
+    }
+}
+
+fn assert_all_braked(stopped: Stopped) -> MeasuredStop {
+    let stop = measure(stopped);
+    let last = stop.last_first_brake();
+    assert!(
+        last <= Some(FIRST_BRAKE_MAX) && last.is_some(),
+        "{stopped:?}: {stop:?}"
+    );
+    let confirmed = stop.confirmed;
+    assert!(
+        confirmed <= Some(ms(1_500)) && confirmed.is_some(),
+        "{stopped:?}: {stop:?}"
+    );
+    assert!(stop.fastest_rpm < 1.0, "{stopped:?}: {stop:?}");
+    stop
+}
+
+/// Rounds longer than the time between two switches starved brakes and queries: motor 1 got one brake and 129 switches,
+/// while motor 2 stood.
+#[test]
+fn two_motors_in_the_current_loop_on_an_adapter_that_holds_16_ms_stop_together() {
+    let stop = assert_all_braked(of_115(Mode::Current, 2, 16));
+    let [first, second] = *stop.first_brakes.unwrap() else {
+        panic!("two motors")
+    };
+    assert!(second.abs_diff(first) <= ms(20), "{first:?} {second:?}");
+}
+
+#[test]
+fn five_motors_in_the_current_loop_on_a_good_line_are_braked_and_stand() {
+    assert_all_braked(of_115(Mode::Current, 5, 0));
+}
+
+#[test]
+fn eight_motors_are_braked_within_150_ms_from_each_loop_on_each_adapter() {
+    for model in Model::ALL {
+        for mode in loops(model) {
+            // Eight motors with separate frames cannot be driven through an adapter that holds 16 ms: the bus asks for
+            // each loop before it drives.
+            let most = if model.has_separate_frames() { 8 } else { 16 };
+            for hold in [1, 4, 8, 16]
+                .into_iter()
+                .filter(|hold| *hold <= most)
+                .map(ms)
+            {
+                let stopped = Stopped {
+                    model,
+                    mode,
+                    hold,
+                    ..of_115(mode, 8, 0)
+                };
+                let stop = assert_all_braked(stopped);
+                // A frame of a DDSM400 takes three times as long.
+                let most = ms(if model == Model::Ddsm400 { 160 } else { 150 });
+                let last = stop.last_first_brake();
+                assert!(last <= Some(most), "{stopped:?}: {stop:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn up_to_16_motors_are_braked_within_the_bound_from_each_loop() {
+    for mode in loops(Model::Ddsm115) {
+        for motors in [3, 12, FIRST_BRAKE_MOTORS_MAX] {
+            for hold_ms in [1, 16] {
+                assert_all_braked(of_115(mode, motors, hold_ms));
+            }
+        }
+    }
+}
+
+#[test]
+fn sixteen_motors_of_each_model_are_braked_within_the_bound() {
+    for model in Model::ALL {
+        for mode in loops(model) {
+            // Of the models with separate frames, more than this cannot be driven: they ask for each loop.
+            for hold in [1, 8].map(ms) {
+                let stopped = of_115(mode, FIRST_BRAKE_MOTORS_MAX, 0);
+                assert_all_braked(Stopped {
+                    model,
+                    hold,
+                    ..stopped
+                });
+            }
+        }
+    }
+}
+
+/// A motor may need as many mode switches as the maker's samples send.
+#[test]
+fn motors_that_need_five_switches_are_braked_and_stand() {
+    for mode in [Mode::Current, Mode::Position] {
+        for (motors, hold) in [(1, 16), (2, 16), (8, 1), (8, 16), (16, 16)] {
+            let stopped = Stopped {
+                switch_frames: 5,
+                ..of_115(mode, motors, hold)
+            };
+            let stop = measure(stopped);
+            assert!(stop.confirmed.is_some(), "{stopped:?}: {stop:?}");
+            assert!(
+                stop.last_first_brake() <= Some(ms(1_500)),
+                "{stopped:?}: {stop:?}"
+            );
+        }
+    }
+}
+
+/// The wheels stand at 100 degrees and are sent to 280. A brake frame in that loop would send them to 0.
+#[test]
+fn no_wheel_in_the_position_loop_turns_back_to_0_degrees() {
+    for hold in [1, 16] {
+        for motors in [2, 8, 16] {
+            let stop = assert_all_braked(of_115(Mode::Position, motors, hold));
+            assert!(stop.turned_back_deg < 1.0, "{hold} ms, {motors}: {stop:?}");
+        }
+    }
+}
