@@ -43,6 +43,7 @@ impl Page {
             rate: chosen.rate,
             ramp: self.settings.entered_ramp(),
             limits: chosen.limits,
+            slow_brake_frames: false,
         });
         self.command(Command::Configure(settings));
     }

@@ -15,7 +15,8 @@ use crate::{
     safety::step_towards,
     schedule::DueFrame,
     timing::{
-        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, LOOP_QUERY_PERIOD, SILENT_STOP_PERIOD, STOP_PERIOD,
+        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, LOOP_QUERY_PERIOD, SILENT_STOP_PERIOD,
+        SLOW_BRAKE_PERIOD, STOP_PERIOD,
     },
 };
 
@@ -42,6 +43,8 @@ pub(crate) struct SendContext {
     pub(crate) query_period: Duration,
     pub(crate) ramp: Option<Ramp>,
     pub(crate) others_driven: bool,
+    /// See [`BusSettings::slow_brake_frames`](crate::BusSettings::slow_brake_frames).
+    pub(crate) slow_brake_frames: bool,
 }
 
 /// The request for the due frame, and the motor's control state once it is sent.
@@ -55,13 +58,14 @@ pub(crate) fn next_request(
     let SendContext { model, period, .. } = context;
     match (motor.control, due_frame) {
         (Control::Stopping(mut stop), DueFrame::Stop(_)) => {
-            let stop_period =
-                if context.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
-                    SILENT_STOP_PERIOD
-                } else {
-                    STOP_PERIOD
-                };
             let request = stop.next_request(now, model, id, motor.must_be_enabled_to_brake(now));
+            let stop_period = if context.slow_brake_frames && stop.is_braked_by(request) {
+                SLOW_BRAKE_PERIOD
+            } else if context.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
+                SILENT_STOP_PERIOD
+            } else {
+                STOP_PERIOD
+            };
             stop.sent(now, request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }

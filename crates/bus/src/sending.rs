@@ -47,6 +47,7 @@ impl Bus {
             query_period: self.query_period(),
             ramp: self.settings.ramp,
             others_driven: self.any_driven(),
+            slow_brake_frames: self.settings.slow_brake_frames,
         };
         let (frame, expects, purpose, effect) = match due_frame {
             DueFrame::Raw => {

@@ -15,4 +15,7 @@ pub struct BusSettings {
     /// A driven motor that exceeds a limit is stopped. One that would exceed a limit is not
     /// started.
     pub limits: Limits,
+    /// Whether a stop sends a brake frame every 300 ms only. One project reports that faster ones keep a DDSM315 from
+    /// finishing its deceleration; no other source does.
+    pub slow_brake_frames: bool,
 }

@@ -111,6 +111,11 @@ impl Stopping {
         self.plan != StopPlan::SwitchThenBrake || has_left
     }
 
+    /// Whether this request brakes the motor, as far as its loop is known.
+    pub(crate) fn is_braked_by(&self, request: Request) -> bool {
+        matches!(request, Request::Drive { .. }) && self.plan == StopPlan::Brake
+    }
+
     /// Records a sent frame; the next round begins `period` later.
     ///
     /// Between two switches an answering motor is queried for its loop; a silent one is queried
@@ -119,8 +124,7 @@ impl Stopping {
         self.round += 1;
         self.next_frame = now + period;
         self.asks_next = false;
-        let brakes = matches!(request, Request::Drive { .. }) && self.plan == StopPlan::Brake;
-        self.reached = if brakes {
+        self.reached = if self.is_braked_by(request) {
             Reached::Brake
         } else {
             self.reached.max(Reached::FirstFrame)
@@ -137,6 +141,11 @@ impl Stopping {
                 self.next_switch
             };
         }
+    }
+
+    /// The last frame was not answered: it may be lost, so the next one does not wait.
+    pub(crate) fn unanswered(&mut self, now: Instant) {
+        self.next_frame = self.next_frame.min(now);
     }
 
     /// Records a reply to a request of this stop.

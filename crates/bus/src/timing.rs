@@ -118,6 +118,9 @@ pub(crate) const UNASKED_CALM_REPLIES: u8 = STANDSTILL_REPLIES;
 /// far above the 50 Hz that the brake needs.
 pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
 
+/// Time between two brake frames to one motor if the operator wants them slow.
+pub(crate) const SLOW_BRAKE_PERIOD: Duration = Duration::from_millis(300);
+
 /// Time between two stop frames to a silent motor while others are driven, because each reply window
 /// delays their frames. The motor gets the brake at the 50 Hz that it needs, in case it receives frames.
 pub(crate) const SILENT_STOP_PERIOD: Duration = Duration::from_millis(20);

@@ -106,6 +106,11 @@ impl Bus {
                 if rest.junk_bytes > 0 {
                     motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);
                 }
+                if let Control::Stopping(stop) = &mut motor.control
+                    && self.settings.slow_brake_frames
+                {
+                    stop.unanswered(now);
+                }
                 &mut motor.counters
             }
             None => &mut self.counters,

@@ -3,12 +3,12 @@
 
 mod fixture;
 
-use motorlink_bus::{Activity, Command, Refusal};
+use motorlink_bus::{Activity, BusSettings, Command, Refusal};
 use motorlink_protocol::{Detail, Instant, Mode, PositionTarget, Setpoint, family::Model};
 use motorlink_simulator::WireFaults;
 
 use fixture::driven_models::{on, setpoint, stopped, switched};
-use fixture::{ID, ms, rpm};
+use fixture::{Fixture, ID, longest_gap, ms, rpm};
 
 #[test]
 fn each_model_stands_soon_after_a_stop_from_its_nominal_speed() {
@@ -61,11 +61,59 @@ fn a_short_power_cut_in_the_position_loop_turns_no_wheel_fast() {
     }
 }
 
+fn slow_brake_frames(fixture: &mut Fixture) {
+    fixture
+        .command(Command::Configure(BusSettings {
+            slow_brake_frames: true,
+            ..BusSettings::default()
+        }))
+        .unwrap();
+}
+
+fn brakes(fixture: &Fixture) -> Vec<Instant> {
+    let brakes = fixture
+        .sent
+        .iter()
+        .filter(|sent| sent.drive_of(ID) == Some(Setpoint::Brake.into()));
+    brakes.map(|sent| sent.at).collect()
+}
+
+#[test]
+fn a_ddsm315_is_braked_like_a_ddsm115() {
+    for model in [Model::Ddsm115, Model::Ddsm315] {
+        let mut fixture = on(model);
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(2_000));
+        fixture.forget_the_past();
+        stopped(&mut fixture);
+        let gap = longest_gap(&brakes(&fixture));
+        assert!(gap <= ms(10), "{model}: {gap:?}");
+    }
+}
+
+#[test]
+fn slow_brake_frames_are_300_ms_apart_and_confirm_the_stop() {
+    let mut fixture = on(Model::Ddsm315);
+    slow_brake_frames(&mut fixture);
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    let took = stopped(&mut fixture);
+    assert!(took <= ms(1_500), "{took:?}");
+    let brakes = brakes(&fixture);
+    let gaps = brakes.windows(2).map(|pair| pair[1].since(pair[0]));
+    assert!(
+        brakes.len() >= 3 && gaps.clone().all(|gap| gap >= ms(300)),
+        "{brakes:?}"
+    );
+}
+
 /// A brake frame that is lost is sent again at once, not 300 ms later.
 #[test]
-fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
+fn slow_brake_frames_that_are_lost_are_sent_again_at_once() {
     for seed in 0..20 {
         let mut fixture = on(Model::Ddsm315);
+        slow_brake_frames(&mut fixture);
         fixture.drive(rpm(100)).unwrap();
         fixture.run(ms(2_000));
         fixture.world.set_faults(WireFaults {
@@ -73,15 +121,22 @@ fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
             ..WireFaults::default()
         });
         fixture.run(ms(seed * 7));
-        let took = stopped(&mut fixture);
-        assert!(took <= ms(600), "seed {seed}: {took:?}");
+        fixture.forget_the_past();
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(600));
+        assert!(
+            fixture.true_rpm().abs() < 10.0,
+            "seed {seed}: {}",
+            fixture.true_rpm()
+        );
     }
 }
 
-/// Of the brake frames of a DDSM315, one goes out every 300 ms. The first comes before the switch and only coasts.
+/// Of slow brake frames, one goes out every 300 ms. The first comes before the switch and only coasts.
 #[test]
-fn a_ddsm315_is_braked_as_soon_as_it_reports_the_velocity_loop() {
+fn a_motor_with_slow_brake_frames_is_braked_as_soon_as_it_reports_the_velocity_loop() {
     let mut fixture = switched(Model::Ddsm315, Mode::Current);
+    slow_brake_frames(&mut fixture);
     fixture.drive(setpoint(Mode::Current)).unwrap();
     fixture.run(ms(1_500));
     fixture.forget_the_past();

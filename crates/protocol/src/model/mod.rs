@@ -56,7 +56,6 @@ const DDSM115: Spec = Spec {
     ],
     set_id_frames: 5,
     set_id_has_crc: false,
-    stop_period_min: None,
     nominal: Nominal {
         no_load_rpm: 200,
         rated_rpm: Some(115),
@@ -74,8 +73,6 @@ const DDSM315: Spec = Spec {
     maker_name: "M0602C",
     key: "ddsm315",
     speed_rpm_max: 315,
-    // One project reports that stop frames repeated faster keep it from finishing its deceleration.
-    stop_period_min: Some(Duration::from_millis(300)),
     nominal: Nominal {
         no_load_rpm: 315,
         rated_rpm: None,

@@ -1,7 +1,5 @@
 //! What there is to know of a model.
 
-use core::time::Duration;
-
 use crate::{fault::Fault, mode::Mode};
 
 use super::current_scale::CurrentScale;
@@ -68,8 +66,6 @@ pub struct Spec {
     pub set_id_frames: u8,
     /// Whether a set-ID frame ends with its CRC. If not, with 00.
     pub set_id_has_crc: bool,
-    /// Least time between two stop frames to one motor; `None` if it does not matter.
-    pub stop_period_min: Option<Duration>,
     /// Nominal figures.
     pub nominal: Nominal,
 }
