@@ -6,6 +6,7 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
+    clippy::indexing_slicing,
     missing_docs,
     reason = "a measurement that cannot go on ends"
 )]
@@ -35,8 +36,15 @@ fn main() {
 
 fn row(model: Model, mode: Mode, hold_ms: u64) {
     // The bus asks for the loop of a motor with separate frames before it drives it, so that not more of them can be driven.
-    let most = if model.has_separate_frames() && hold_ms > 1 { 4 } else { 16 };
-    let motors: Vec<u8> = [2, 4, 8, 16].into_iter().filter(|motors| *motors <= most).collect();
+    let most = if model.has_separate_frames() && hold_ms > 1 {
+        4
+    } else {
+        16
+    };
+    let motors: Vec<u8> = [2, 4, 8, 16]
+        .into_iter()
+        .filter(|motors| *motors <= most)
+        .collect();
     let stop = |motors: &u8| {
         measure(Stopped {
             model,
@@ -54,12 +62,21 @@ fn row(model: Model, mode: Mode, hold_ms: u64) {
         (..=8, Some(braked)) => braked <= EIGHT_BRAKED,
         (_, Some(braked)) => braked <= motorlink_bus::FIRST_BRAKE_MAX,
     };
-    let reached = motors.iter().zip(&braked).all(|(motors, it)| within(*motors, *it))
-        && confirmed.iter().all(|it| it.is_some_and(|it| it <= CONFIRMED));
+    let reached = motors
+        .iter()
+        .zip(&braked)
+        .all(|(motors, it)| within(*motors, *it))
+        && confirmed
+            .iter()
+            .all(|it| it.is_some_and(|it| it <= CONFIRMED));
     println!(
         "| stop of {} {model} from the {mode}, adapter that holds bytes for {hold_ms} ms: first brake to the last of them, \
          all confirmed | 150 ms at 8 motors, {} ms at 16; 1.5 s | {}; {} | {} |",
-        motors.iter().map(u8::to_string).collect::<Vec<_>>().join(", "),
+        motors
+            .iter()
+            .map(u8::to_string)
+            .collect::<Vec<_>>()
+            .join(", "),
         motorlink_bus::FIRST_BRAKE_MAX.as_millis(),
         list(&braked),
         list(&confirmed),

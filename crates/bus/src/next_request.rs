@@ -66,7 +66,7 @@ pub(crate) fn next_request(
             } else {
                 STOP_PERIOD
             };
-            stop.sent(now, request, stop_period, !motor.is_without_answer());
+            stop.sent(now, model, request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
         (Control::Switching(mut switch), DueFrame::Switch(_)) => {

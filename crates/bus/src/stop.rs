@@ -39,9 +39,9 @@ pub(crate) struct Stopping {
     reached: Reached,
     switches: u8,
     next_switch: Instant,
-    /// Whether a brake or a query goes before the next switch. Otherwise rounds longer than [`SWITCH_PERIOD`] would
-    /// starve both.
-    asks_next: bool,
+    /// Brakes and queries that go before the next switch. Otherwise rounds longer than [`SWITCH_PERIOD`] would starve
+    /// them.
+    asks_left: u8,
     /// Replies in a row that report standstill in the velocity loop.
     standstill_replies: u8,
     /// Whether the last reply since the stop began, of any age, reports the position loop.
@@ -68,7 +68,7 @@ impl Stopping {
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
-            asks_next: false,
+            asks_left: 0,
             standstill_replies: 0,
             reports_position: false,
         }
@@ -85,7 +85,7 @@ impl Stopping {
         must_be_enabled: bool,
     ) -> Request {
         let switches = self.plan != StopPlan::Brake || must_be_enabled;
-        if switches && now >= self.next_switch && !self.asks_next {
+        if switches && now >= self.next_switch && self.asks_left == 0 {
             if must_be_enabled && self.switches.is_multiple_of(2) {
                 Request::Enable { id, on: true }
             } else {
@@ -94,7 +94,7 @@ impl Stopping {
                     mode: Mode::Velocity,
                 }
             }
-        } else if self.may_brake() {
+        } else if self.may_brake() && !self.asks_loop(model) {
             let drive = Drive::from(Setpoint::Brake);
             Request::Drive { id, drive }
         } else if model.has_separate_frames() {
@@ -116,14 +116,27 @@ impl Stopping {
         matches!(request, Request::Drive { .. }) && self.plan == StopPlan::Brake
     }
 
+    /// Whether it is the turn of a query for the loop. The reply to a brake frame does not name it in separate frames, and
+    /// a reply to a switch may be an echo: a DDSM210 answers with the same bytes.
+    fn asks_loop(&self, model: Model) -> bool {
+        model.has_separate_frames() && self.plan != StopPlan::Brake && self.asks_left == 1
+    }
+
     /// Records a sent frame; the next round begins `period` later.
     ///
     /// Between two switches an answering motor is queried for its loop; a silent one is queried
     /// after every fifth, since each query costs a reply window.
-    pub(crate) fn sent(&mut self, now: Instant, request: Request, period: Duration, answers: bool) {
+    pub(crate) fn sent(
+        &mut self,
+        now: Instant,
+        model: Model,
+        request: Request,
+        period: Duration,
+        answers: bool,
+    ) {
         self.round += 1;
         self.next_frame = now + period;
-        self.asks_next = false;
+        self.asks_left = self.asks_left.saturating_sub(1);
         self.reached = if self.is_braked_by(request) {
             Reached::Brake
         } else {
@@ -133,9 +146,12 @@ impl Stopping {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
             // A switch has no reply, so the next frame need not wait for a round.
-            self.asks_next =
-                answers || self.may_brake() || self.switches.is_multiple_of(SWITCH_FRAMES);
-            self.next_frame = if self.asks_next {
+            self.asks_left = match (answers, self.may_brake()) {
+                (_, true) if model.has_separate_frames() => 2,
+                (true, _) | (_, true) => 1,
+                (false, false) => u8::from(self.switches.is_multiple_of(SWITCH_FRAMES)),
+            };
+            self.next_frame = if self.asks_left > 0 {
                 now
             } else {
                 self.next_switch

@@ -26,7 +26,7 @@ fn send_switches(stop: &mut Stopping, count: u8, answers: bool) -> Instant {
     let mut now = BEGAN;
     for _ in 0..count {
         now = now + SWITCH_PERIOD;
-        stop.sent(now, switch(), STOP_PERIOD, answers);
+        stop.sent(now, Model::Ddsm115, switch(), STOP_PERIOD, answers);
     }
     now
 }

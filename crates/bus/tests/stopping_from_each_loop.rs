@@ -55,9 +55,9 @@ fn five_motors_in_the_current_loop_on_a_good_line_are_braked_and_stand() {
 fn eight_motors_are_braked_within_150_ms_from_each_loop_on_each_adapter() {
     for model in Model::ALL {
         for mode in loops(model) {
-            // Eight motors with separate frames cannot be driven through an adapter that holds 16 ms: the bus asks for
-            // each loop before it drives.
-            let most = if model.has_separate_frames() { 8 } else { 16 };
+            // The bus asks for the loop of a motor with separate frames before it drives it, so that not more of them can be
+            // driven.
+            let most = if model.has_separate_frames() { 1 } else { 16 };
             for hold in [1, 4, 8, 16]
                 .into_iter()
                 .filter(|hold| *hold <= most)
@@ -94,8 +94,7 @@ fn up_to_16_motors_are_braked_within_the_bound_from_each_loop() {
 fn sixteen_motors_of_each_model_are_braked_within_the_bound() {
     for model in Model::ALL {
         for mode in loops(model) {
-            // Of the models with separate frames, more than this cannot be driven: they ask for each loop.
-            for hold in [1, 8].map(ms) {
+            for hold in [0, 1].map(ms) {
                 let stopped = of_115(mode, FIRST_BRAKE_MOTORS_MAX, 0);
                 assert_all_braked(Stopped {
                     model,

@@ -186,6 +186,7 @@ impl Observer {
         mode: Option<Mode>,
     ) -> (Control, Sent) {
         let is_stop = self.bus.stop.is_some();
+        let model = self.bus.model;
         let goal = mode.map(|mode| drive.setpoint(mode));
         let motor = self.bus.motors.iter().find(|motor| motor.id == id);
         let switches = motor.is_some_and(|motor| matches!(motor.control, Control::Switching(_)));
@@ -198,7 +199,7 @@ impl Observer {
         };
         match (motor.control, goal) {
             (Control::Stopping(mut stop), Some(Setpoint::Brake)) => {
-                stop.sent(at, Request::Drive { id, drive }, STOP_PERIOD, true);
+                stop.sent(at, model, Request::Drive { id, drive }, STOP_PERIOD, true);
                 (Control::Stopping(stop), Sent::Stop)
             }
             // The neutral frame of a switch.
@@ -222,6 +223,7 @@ impl Observer {
     /// What a mode switch shows. `goes_on` if the frame before it enabled the motor for it.
     fn switched(&mut self, at: Instant, id: MotorId, to: Mode, goes_on: bool) -> (Control, Sent) {
         let is_stop = self.bus.stop.is_some() && to == Mode::Velocity;
+        let model = self.bus.model;
         if is_stop {
             self.stops(at, id);
         }
@@ -232,7 +234,7 @@ impl Observer {
         let mut switch = match motor.control {
             Control::Stopping(mut stop) if to == Mode::Velocity => {
                 let request = Request::SwitchMode { id, mode: to };
-                stop.sent(at, request, STOP_PERIOD, true);
+                stop.sent(at, model, request, STOP_PERIOD, true);
                 return (Control::Stopping(stop), Sent::Stop);
             }
             Control::Switching(switch)
