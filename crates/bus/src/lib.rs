@@ -64,6 +64,7 @@ mod scan;
 mod schedule;
 mod sending;
 mod settings;
+mod silence;
 mod stop;
 mod stopping;
 mod supervision;
@@ -99,8 +100,8 @@ pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consen
 pub use sample::Sample;
 pub use scan::report::ScanReport;
 pub use settings::BusSettings;
+pub use silence::{WITHHELD_MAX, Withheld};
 pub use timing::{
     FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX, FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM,
     SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
 };
-pub use withheld::{WITHHELD_MAX, Withheld};

@@ -17,12 +17,12 @@ use crate::{
     rate::RateMeter,
     round_trip::RoundTrip,
     sample::Sample,
+    silence::Silence,
     stop::Stopping,
     temperature_filter::TemperatureFilter,
     timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP},
     torque::Torque,
     turning_unasked::TurningUnasked,
-    withheld::Silence,
 };
 
 mod asking;
@@ -73,6 +73,25 @@ impl Driven {
             group: None,
             ramped: Ramped::from(now, speed),
             silence: None,
+        }
+    }
+
+    /// When the next drive frame is due.
+    pub(crate) fn frame_due(&self) -> Instant {
+        let withheld_until = self.silence.map(Silence::until);
+        withheld_until.map_or(self.next_frame, |until| until.max(self.next_frame))
+    }
+
+    /// Since when silence of the motor counts, at the earliest: without requests it has nothing to answer.
+    pub(crate) fn silent_from(&self) -> Instant {
+        let unasked_until = self.silence.and_then(Silence::unasked_until);
+        unasked_until.map_or(self.since, |until| until.max(self.since))
+    }
+
+    /// Ends a time without drive frames.
+    pub(crate) fn end_silence(&mut self, now: Instant) {
+        if let Some(silence) = &mut self.silence {
+            silence.end(now);
         }
     }
 }
@@ -261,6 +280,19 @@ impl Motor {
 
     pub(crate) const fn is_driven(&self) -> bool {
         matches!(self.control, Control::Driven(_))
+    }
+
+    /// Whether its drive frames are withheld now.
+    pub(crate) fn is_withheld(&self, now: Instant) -> bool {
+        self.silence().is_some_and(|silence| now < silence.until())
+    }
+
+    /// The time without drive frames, if the motor is driven and has not got one since.
+    pub(crate) const fn silence(&self) -> Option<Silence> {
+        match &self.control {
+            Control::Driven(driven) => driven.silence,
+            _ => None,
+        }
     }
 
     /// Whether a reply can still refine the angle of a hold.

@@ -7,9 +7,9 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 use crate::{
     motor::{Control, Motor},
     probe::Probe,
+    silence::Silence,
     stop::Stopping,
     timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
-    withheld::unasked_until,
 };
 
 /// When the next frame goes out.
@@ -210,6 +210,12 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
         }
         (one, other) => one.or(other).map(frame),
     }
+}
+
+/// Until when the line carries no query.
+fn unasked_until(motors: &[Motor]) -> Option<Instant> {
+    let silences = motors.iter().filter_map(Motor::silence);
+    silences.filter_map(Silence::unasked_until).max()
 }
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
