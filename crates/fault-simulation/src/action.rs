@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::Command;
 use motorlink_protocol::MotorId;
-use motorlink_simulator::{Echo, Split, WireFaults};
+use motorlink_simulator::{Echo, Split, WhenSilent, WireFaults};
 
 /// One action, carried out at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +42,18 @@ pub enum Action {
     PageClosed,
     /// The adapter is pulled out.
     Unplug,
-    /// The adapter is plugged in again: a new bus without any knowledge.
+    /// The adapter is plugged in again: a new bus that knows only what was left driven.
     Replug,
+    /// The page crashes, and its worker with it, without a stop. After this time a new page connects.
+    PageCrashes {
+        /// Time without a bus.
+        back_after: Duration,
+    },
+    /// The worker dies without a stop. After this time the page has started another one.
+    WorkerDies {
+        /// Time without a bus.
+        back_after: Duration,
+    },
     /// The worker does not run for a while; the motors do.
     WorkerAbsent {
         /// The cause.
@@ -223,6 +233,10 @@ pub enum Fault {
     Unplugged,
     /// The adapter was plugged in again.
     Replugged,
+    /// The page crashed.
+    PageCrashed,
+    /// The worker died.
+    WorkerDied,
     /// The worker did not run for a while.
     Away(Absence),
     /// The port refused frames.
@@ -233,6 +247,24 @@ pub enum Fault {
     NeedsFiveSwitches,
     /// A motor obeys drive frames to 0xC8.
     ObeysAll,
+    /// Motors keep their last command when frames cease.
+    KeepsItsCommand,
+    /// Motors coast when frames cease.
+    CoastsWhenSilent,
+    /// Motors brake when frames cease.
+    BrakesWhenSilent,
+}
+
+impl Fault {
+    /// The fault that this firmware counts as.
+    #[must_use]
+    pub const fn of_firmware(when_silent: WhenSilent) -> Self {
+        match when_silent {
+            WhenSilent::Keep => Self::KeepsItsCommand,
+            WhenSilent::CoastAfter(_) => Self::CoastsWhenSilent,
+            WhenSilent::BrakeAfter(_) => Self::BrakesWhenSilent,
+        }
+    }
 }
 
 impl Action {
@@ -256,6 +288,8 @@ impl Action {
             Self::PageClosed => Some(Fault::PageWent),
             Self::Unplug => Some(Fault::Unplugged),
             Self::Replug => Some(Fault::Replugged),
+            Self::PageCrashes { .. } => Some(Fault::PageCrashed),
+            Self::WorkerDies { .. } => Some(Fault::WorkerDied),
             Self::WorkerAbsent { cause, .. } => Some(Fault::Away(*cause)),
             Self::PortRefuses { .. } => Some(Fault::Refused),
             Self::PortTruncates { .. } => Some(Fault::Cut),

@@ -274,7 +274,7 @@ fn switch(id: MotorId, mode: Mode) -> Action {
     Action::Command(Command::SwitchMode { id, mode })
 }
 
-fn drive(id: MotorId, setpoint: Setpoint) -> Action {
+pub(crate) fn drive(id: MotorId, setpoint: Setpoint) -> Action {
     Action::Command(Command::Drive {
         id,
         setpoint,

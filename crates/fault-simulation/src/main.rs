@@ -4,7 +4,8 @@
 //! by default; `--seeds N` is a number of scenarios instead; `--from N` is the first seed; `--seed
 //! N` plays that one alone and prints its actions, and a trace if a rule is broken. Of the seeds
 //! that break the same rule only the first is shrunk. `--model M` is the model of the motors; without it every
-//! model has its turn, each with the time or number of scenarios.
+//! model has its turn, each with the time or number of scenarios. `--when-silent keep`, `coast` or `brake` is their
+//! firmware; without it each seed draws it.
 
 use std::{
     collections::BTreeMap,
@@ -20,6 +21,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use motorlink_fault_simulation::{Coverage, Failure, Rule, Scenario, play, shrink, trace_lines};
 use motorlink_protocol::family::Model;
+use motorlink_simulator::WhenSilent;
 
 /// Lines of the trace before a broken rule.
 const TRACE_SHOWN: usize = 40;
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
 /// Whether every rule held for every model.
 fn soak() -> Result<bool> {
     let (mut seconds, mut seeds, mut from, mut only) = (60, u64::MAX, 1, None);
+    let mut when_silent = None;
     let mut models = Model::ALL.to_vec();
     let mut arguments = env::args().skip(1);
     while let Some(flag) = arguments.next() {
@@ -48,30 +51,59 @@ fn soak() -> Result<bool> {
             models = vec![value.parse()?];
             continue;
         }
+        if flag == "--when-silent" {
+            let firmware = WhenSilent::of_name(&value);
+            when_silent = Some(firmware.context("--when-silent takes keep, coast or brake")?);
+            continue;
+        }
         let number: u64 = value.parse().with_context(|| format!("{flag} {value}"))?;
         match flag.as_str() {
             "--seconds" => seconds = number,
             "--seeds" => (seeds, seconds) = (number, u64::from(u32::MAX)),
             "--from" => from = number,
             "--seed" => only = Some(number),
-            _ => bail!("usage: soak [--model M] [--seconds N | --seeds N] [--from N] [--seed N]"),
+            _ => bail!(
+                "usage: soak [--model M] [--when-silent keep|coast|brake] [--seconds N | --seeds N] [--from N] [--seed N]"
+            ),
         }
     }
     let mut all_held = true;
     for model in models {
         // A model with a broken rule does not prevent the others.
+        let motors = Motors { model, when_silent };
         all_held &= match only {
-            Some(seed) => soak_one(model, seed),
-            None => soak_many(model, seconds, seeds, from),
+            Some(seed) => soak_one(motors, seed),
+            None => soak_many(motors, seconds, seeds, from),
         };
     }
     Ok(all_held)
 }
 
+/// The motors of all scenarios.
+#[derive(Clone, Copy)]
+struct Motors {
+    model: Model,
+    /// What they do when frames cease, unless the seed draws it.
+    when_silent: Option<WhenSilent>,
+}
+
+impl Motors {
+    fn scenario(self, seed: u64) -> Scenario {
+        let scenario = Scenario::of(self.model, seed);
+        match self.when_silent {
+            Some(when_silent) => scenario.when_silent(when_silent),
+            None => scenario,
+        }
+    }
+}
+
 /// Plays one seed and prints its actions.
-fn soak_one(model: Model, seed: u64) -> bool {
-    let scenario = Scenario::of(model, seed);
-    println!("seed {seed}, {model}, with {:?}", scenario.motors);
+fn soak_one(motors: Motors, seed: u64) -> bool {
+    let scenario = motors.scenario(seed);
+    println!(
+        "seed {seed}, {}, {:?}, with {:?}",
+        motors.model, scenario.when_silent, scenario.motors
+    );
     for (step, action) in scenario.actions.iter().enumerate() {
         println!("{step:4}  {action:?}");
     }
@@ -79,7 +111,7 @@ fn soak_one(model: Model, seed: u64) -> bool {
 }
 
 /// Plays many seeds and prints the tables.
-fn soak_many(model: Model, seconds: u64, seeds: u64, from: u64) -> bool {
+fn soak_many(motors: Motors, seconds: u64, seeds: u64, from: u64) -> bool {
     let began = Instant::now();
     let until = began + Duration::from_secs(seconds);
     let next = AtomicU64::new(from);
@@ -87,7 +119,7 @@ fn soak_many(model: Model, seconds: u64, seeds: u64, from: u64) -> bool {
     let mut played = Played::default();
     thread::scope(|scope| {
         let cores = thread::available_parallelism().map_or(1, Into::into);
-        let start = |_| scope.spawn(|| play_some(model, &next, end, until));
+        let start = |_| scope.spawn(|| play_some(motors, &next, end, until));
         // All threads start before the first join.
         let threads: Vec<_> = (0..cores).map(start).collect();
         for thread in threads {
@@ -99,11 +131,11 @@ fn soak_many(model: Model, seconds: u64, seeds: u64, from: u64) -> bool {
     for (seed, failure) in &played.failures {
         let times = broken.entry(failure.violation.rule).or_insert(0_u64);
         if *times == 0 {
-            explain(&Scenario::of(model, *seed), failure);
+            explain(&motors.scenario(*seed), failure);
         }
         *times += 1;
     }
-    print_table(model, from..from + played.seeds, &broken, &played.coverage);
+    print_table(motors, from..from + played.seeds, &broken, &played.coverage);
     println!("in {:.0} s", began.elapsed().as_secs_f32());
     broken.is_empty()
 }
@@ -125,7 +157,7 @@ impl Played {
 }
 
 /// Plays seeds that no other thread has taken, until the last seed or the end of the time.
-fn play_some(model: Model, next: &AtomicU64, end: u64, until: Instant) -> Played {
+fn play_some(motors: Motors, next: &AtomicU64, end: u64, until: Instant) -> Played {
     let mut played = Played::default();
     while Instant::now() < until {
         let seed = next.fetch_add(1, Ordering::Relaxed);
@@ -133,10 +165,10 @@ fn play_some(model: Model, next: &AtomicU64, end: u64, until: Instant) -> Played
             break;
         }
         played.seeds += 1;
-        if let Err(failure) = play(&Scenario::of(model, seed), &mut played.coverage) {
+        if let Err(failure) = play(&motors.scenario(seed), &mut played.coverage) {
             println!(
-                "{model}, seed {seed}, step {}: {}",
-                failure.step, failure.violation
+                "{}, seed {seed}, step {}: {}",
+                motors.model, failure.step, failure.violation
             );
             played.failures.push((seed, failure));
         }
@@ -145,13 +177,26 @@ fn play_some(model: Model, next: &AtomicU64, end: u64, until: Instant) -> Played
 }
 
 /// Prints the tables in the form of the documents.
-fn print_table(model: Model, seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Coverage) {
+fn print_table(
+    motors: Motors,
+    seeds: Range<u64>,
+    broken: &BTreeMap<Rule, u64>,
+    coverage: &Coverage,
+) {
     let yes = |is| if is { "yes" } else { "NO" };
     // The first model has the rows that were there before the others.
-    let of = match model {
+    let mut of = match motors.model {
         Model::Ddsm115 => String::new(),
         other => format!(", {other}"),
     };
+    if let Some(when_silent) = motors.when_silent {
+        of.push_str(", ");
+        of.push_str(match when_silent {
+            WhenSilent::Keep => "motors that keep their command",
+            WhenSilent::CoastAfter(_) => "motors that coast when frames cease",
+            WhenSilent::BrakeAfter(_) => "motors that brake when frames cease",
+        });
+    }
     println!("| figure | must | measured | reached |");
     println!("|---|---|---|---|");
     let with_broken: u64 = broken.values().sum();
@@ -207,9 +252,10 @@ fn holds(scenario: &Scenario, coverage: &mut Coverage) -> bool {
 fn explain(scenario: &Scenario, failure: &Failure) {
     let (short, last) = shrink(scenario, failure);
     println!(
-        "{}, seed {} shrunk, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
+        "{}, seed {} shrunk, {:?}, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
         short.model,
         short.seed,
+        short.when_silent,
         short.motors,
         short.need_five_switches,
         if short.obey_all { "" } else { "not " },

@@ -6,7 +6,9 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, MotorStatus, Output, StopReason};
+use motorlink_bus::{
+    Activity, Bus, BusSettings, Command, Event, LeftDriven, MotorStatus, Output, StopReason,
+};
 use motorlink_protocol::{
     Frame, Instant, Mode, MotorId,
     family::{Model, Request},
@@ -85,6 +87,7 @@ pub fn play(scenario: &Scenario, coverage: &mut Coverage) -> Result<(), Failure>
     };
     count(Fault::NeedsFiveSwitches, scenario.need_five_switches.len());
     count(Fault::ObeysAll, usize::from(scenario.obey_all));
+    count(Fault::of_firmware(scenario.when_silent), 1);
     for (step, action) in scenario.actions.iter().enumerate() {
         if let Some(fault) = action.fault() {
             *coverage.faults.entry(fault).or_default() += 1;
@@ -126,6 +129,8 @@ struct Player {
     model: Model,
     /// Whether Stop all motors is in force. It outlives the port.
     halted: bool,
+    /// What is remembered if the bus is lost now: what was left driven before the last frame.
+    left_driven: Vec<LeftDriven>,
     page_answers: bool,
     /// Commands that were clicked while the page hung, with their times.
     clicked: Vec<(Instant, Command)>,
@@ -169,6 +174,7 @@ impl Player {
             bus: None,
             model: scenario.model,
             halted: false,
+            left_driven: Vec::new(),
             page_answers: true,
             clicked: Vec::new(),
             settings: BusSettings::default(),
@@ -200,7 +206,19 @@ impl Player {
             // A bus that drives nothing does not refuse this.
             let _: Result<(), _> = bus.command(self.now, command);
         }
+        bus.stop_first(self.now, self.left_driven.iter().copied());
         self.bus = Some(bus);
+        self.rules.port_opened(self.now, &self.world);
+    }
+
+    /// The bus is gone at any moment and without a stop. What was remembered stays.
+    fn lose_bus(&mut self, back_after: Duration) -> Result<(), Violation> {
+        self.sequence = None;
+        if let Some(bus) = self.bus.take() {
+            self.halted = bus.is_halted();
+            self.rules.port_lost(self.now, &self.world);
+        }
+        self.run(back_after)
     }
 
     fn apply(&mut self, action: &Action) -> Result<(), Violation> {
@@ -242,6 +260,7 @@ impl Player {
                         run.unplugged(self.now, self.settings);
                     }
                     self.halted = bus.is_halted();
+                    self.left_driven = bus.left_driven().collect();
                     for event in bus.close(self.now) {
                         self.rules.on_event(self.now, &event, &self.world)?;
                     }
@@ -253,6 +272,18 @@ impl Player {
                 if self.bus.is_none() {
                     self.plug();
                 }
+            }
+            Action::PageCrashes { back_after } => {
+                self.lose_bus(*back_after)?;
+                self.clicked.clear();
+                self.page_answers = true;
+                self.rules.page(self.now, true);
+                self.halted = false;
+                self.plug();
+            }
+            Action::WorkerDies { back_after } => {
+                self.lose_bus(*back_after)?;
+                self.plug();
             }
             Action::WorkerAbsent {
                 duration, pending, ..
@@ -474,17 +505,25 @@ impl Player {
         self.run(REST)?;
         self.command(self.now, Command::StopAll(StopReason::Operator))?;
         self.run(LAST_STOP)?;
-        for motor in self.world.motors() {
-            if motor.speed_rpm().abs() >= STANDS_RPM {
-                let what = format!("{} turns at {} rpm", motor.id(), motor.speed_rpm());
-                return self.restless(what);
-            }
-        }
+        self.every_wheel_stands()?;
         self.command(self.now, Command::Release)?;
         self.acted = 0;
         self.run(REST)?;
+        self.every_wheel_stands()?;
         if self.acted > 0 {
             return self.restless(format!("{} frames after a release", self.acted));
+        }
+        Ok(())
+    }
+
+    /// A motor may keep its last command: it must be one that moves nothing.
+    fn every_wheel_stands(&self) -> Result<(), Violation> {
+        for motor in self.world.motors() {
+            let (speed_rpm, obeyed) = (motor.speed_rpm(), motor.obeyed());
+            if speed_rpm.abs() >= STANDS_RPM {
+                let what = format!("{} turns at {speed_rpm} rpm by {obeyed:?}", motor.id());
+                return self.restless(what);
+            }
         }
         Ok(())
     }
@@ -571,7 +610,7 @@ impl Player {
                     })?;
                 }
                 Output::Wait(at) if at > self.now => {
-                    self.rules.settled(self.now, bus)?;
+                    self.rules.settled(self.now, bus, &self.world)?;
                     self.promised = Some(at);
                     return Ok(Some(at));
                 }
@@ -587,6 +626,7 @@ impl Player {
         let Some(bus) = &mut self.bus else {
             return Ok(());
         };
+        self.left_driven = bus.left_driven().collect();
         if let Some(left) = self.refuses.checked_sub(1) {
             self.refuses = left;
             bus.transmit_failed();
@@ -633,6 +673,7 @@ fn motor(scenario: &Scenario, id: MotorId) -> MotorConfig {
     MotorConfig {
         mode_switch_frames,
         obeys_all: scenario.obey_all,
+        when_silent: scenario.when_silent,
         ..default
     }
 }

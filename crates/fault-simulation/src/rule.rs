@@ -45,11 +45,17 @@ pub enum Rule {
     NothingAboveALimit,
     /// A torque is reversed only after a zero that the motor has answered.
     ReversalPassesZero,
+    /// What was driven when the port was lost is stopped first when it is back, and the report names it.
+    StoppedAfterALoss,
+    /// On a good line each motor of a stop is braked in time, in the velocity loop.
+    FirstBrakeInTime,
+    /// On a good line a stop ends in time, and every motor of it has confirmed.
+    StopsConfirm,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -69,6 +75,9 @@ impl Rule {
         Self::HoldHolds,
         Self::NothingAboveALimit,
         Self::ReversalPassesZero,
+        Self::StoppedAfterALoss,
+        Self::FirstBrakeInTime,
+        Self::StopsConfirm,
     ];
 }
 

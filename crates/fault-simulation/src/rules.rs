@@ -8,8 +8,10 @@
 //! | `truth` | whether the reported telemetry is true |
 //! | `motion` | whether a wheel moves on after a stop or a hold |
 //! | `bounds` | limits of every frame on the wire |
+//! | `liveness` | what must happen on a good line: brakes, ends of stops, stops after a loss |
 
 mod bounds;
+mod liveness;
 mod motion;
 mod operator;
 mod said;
@@ -28,7 +30,10 @@ use motorlink_protocol::{
 };
 use motorlink_simulator::World;
 
-use self::{bounds::Bounds, motion::Motion, operator::Operator, truth::Truth, wire::Wire};
+use self::{
+    bounds::Bounds, liveness::Liveness, motion::Motion, operator::Operator, truth::Truth,
+    wire::Wire,
+};
 use crate::rule::{Outcome, Rule, broken};
 
 /// Longest time until a stop reaches a motor: 10 ms of the bus, and at most 10 ms of the exchange
@@ -56,6 +61,7 @@ pub(crate) struct Rules {
     truth: Truth,
     motion: Motion,
     bounds: Bounds,
+    liveness: Liveness,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
@@ -76,6 +82,7 @@ impl Rules {
             wire: Wire::of(model),
             truth: Truth::of(model),
             bounds: Bounds::of(model),
+            liveness: Liveness::of(model),
             ..Self::default()
         }
     }
@@ -126,18 +133,22 @@ impl Rules {
                     !standing.contains(id) && raw.is_some_and(|raw| may_obey(&raw, *id))
                 });
             }
+            Command::SwitchMode { id, .. } => self.liveness.asked(|other| *other == id),
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
+                self.liveness.asked(|other| *other == id);
                 self.motion.asked(|other| *other == id);
                 self.bounds.on_command(id, consent);
             }
             Command::DriveGroup { setpoints, consent }
             | Command::AdjustGroup { setpoints, consent } => {
                 for (id, _) in setpoints.entries() {
+                    self.liveness.asked(|other| *other == id);
                     self.motion.asked(|other| *other == id);
                     self.bounds.on_command(id, consent);
                 }
             }
             Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
+                self.liveness.asked(|id| may_obey(&frame, *id));
                 self.motion.asked(|id| may_obey(&frame, *id));
             }
             Command::Hold(id) if self.motion.hold(now, id, world) => self.judge(Rule::HoldHolds),
@@ -159,6 +170,7 @@ impl Rules {
     /// No call reached the bus for a while; `is_late` is whether for too long.
     pub(crate) fn on_absence(&mut self, now: Instant, is_late: bool, world: &World) {
         self.wire.disturbed(now);
+        self.liveness.disturbed();
         self.stop_began = self.stop_began.map(|_| now);
         if is_late {
             if self.operator.was_late() {
@@ -178,6 +190,9 @@ impl Rules {
 
     fn stop_begins(&mut self, now: Instant, is_stopped: impl Fn(&MotorId) -> bool) {
         let (driven, others) = self.operator.stop(is_stopped);
+        if !driven.is_empty() {
+            self.liveness.stop_begins(now, &driven);
+        }
         for id in driven {
             self.reported.push(id);
             // The event of a stop that the bus begins comes after its first frame.
@@ -194,8 +209,11 @@ impl Rules {
     }
 
     /// All events of this moment are out.
-    pub(crate) fn settled(&mut self, now: Instant, bus: &Bus) -> Outcome {
+    pub(crate) fn settled(&mut self, now: Instant, bus: &Bus, world: &World) -> Outcome {
         self.wire.settled(now)?;
+        for rule in self.liveness.settled(now, bus, world)? {
+            self.judge(rule);
+        }
         self.check_active_setpoints(now, bus)
     }
 
@@ -221,17 +239,24 @@ impl Rules {
     /// The line was set healthy or faulty.
     pub(crate) fn line(&mut self, now: Instant, is_good: bool) {
         self.wire.line(now, is_good);
+        self.liveness.line(is_good);
     }
 
     /// The port is closed: no setpoint is in force.
     pub(crate) fn port_lost(&mut self, now: Instant, world: &World) {
         self.moves_no_more(now, world, |_| true);
         self.bounds.port_lost();
+        self.liveness.port_lost();
         self.operator.port_lost();
         self.wire.port_lost();
         self.stops.clear();
         self.reported.clear();
         self.stop_began = None;
+    }
+
+    /// A port is open again.
+    pub(crate) fn port_opened(&mut self, now: Instant, world: &World) {
+        self.liveness.port_opened(now, world);
     }
 
     /// A frame goes out.
@@ -260,6 +285,7 @@ impl Rules {
         } else {
             match Request::parse(self.model, &frame) {
                 Ok(Request::Drive { .. }) => {
+                    self.liveness.drives(now)?;
                     self.judge(Rule::DrivenByCommandOnly);
                     self.judge(Rule::NoMoreThanCommanded);
                 }
@@ -273,6 +299,7 @@ impl Rules {
     /// The port refused or truncated a frame; `reported` is whether the bus knows.
     pub(crate) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, reported: bool) {
         self.wire.refused(now, frame, bytes, reported);
+        self.liveness.disturbed();
         // The bus sends another first.
         for until in self.stops.values_mut() {
             *until = *until + REFUSED_COSTS;
@@ -310,6 +337,7 @@ impl Rules {
         match event {
             Event::StopBegan(reason) => {
                 self.stop_began = Some(now);
+                self.liveness.stop_begins(now, &[]);
                 if *reason == StopReason::PageSilent {
                     self.judge(Rule::DeadPageStops);
                     self.stop_begins(now, |_| true);
@@ -319,6 +347,9 @@ impl Rules {
             Event::StopEnded(report) => {
                 self.stop_began = None;
                 self.judge(Rule::StopEnds);
+                for rule in self.liveness.stop_ended(now, report)? {
+                    self.judge(rule);
+                }
                 return self.names_all(now, report);
             }
             Event::Withdrawn { id, reason } => {

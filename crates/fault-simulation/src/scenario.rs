@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use motorlink_bus::{BusSettings, Command, SetIdFrames, StopReason};
-use motorlink_protocol::{AssignableId, MotorId, family::Model};
+use motorlink_protocol::{AssignableId, MotorId, Setpoint, SpeedTarget, family::Model};
+use motorlink_simulator::WhenSilent;
 
 use crate::{
     action::{Action, LineFault},
-    generator::{Generator, pause_ms},
+    generator::{Generator, drive, pause_ms},
     of_model::in_terms_of,
 };
 
@@ -20,6 +21,11 @@ const SEQUENCE_EVERY: u8 = 6;
 const RUN_EVERY: usize = 12;
 /// Sequences have random numbers of their own, so that the other actions of a seed stay as they are.
 const SEQUENCES: u64 = 0x5E90_E4CE;
+/// So have the losses of page and worker, and the firmware.
+const LOSSES: u64 = 0x1055_0F1D;
+const FIRMWARE: u64 = 0xF1E3_A4E5;
+/// A loss comes before one action in this many.
+const LOSS_EVERY: u8 = 40;
 /// Pauses after an action in milliseconds: from within an exchange to the end of any stop.
 const PAUSES_MS: [u64; 8] = [0, 1, 3, 10, 30, 150, 700, 2_500];
 
@@ -36,6 +42,8 @@ pub struct Scenario {
     pub need_five_switches: Vec<MotorId>,
     /// Whether the motors obey drive frames to 0xC8.
     pub obey_all: bool,
+    /// What the motors do when drive frames cease.
+    pub when_silent: WhenSilent,
     /// The actions in order.
     pub actions: Vec<Action>,
 }
@@ -57,9 +65,22 @@ impl Scenario {
         }
     }
 
+    /// The same for motors that do this when drive frames cease.
+    #[must_use]
+    pub fn when_silent(self, when_silent: WhenSilent) -> Self {
+        Self {
+            when_silent,
+            ..self
+        }
+    }
+
     /// The scenario of this seed for DDSM115 motors.
     #[must_use]
     pub fn from_seed(seed: u64) -> Self {
+        Self::without_losses(seed).with_losses()
+    }
+
+    fn without_losses(seed: u64) -> Self {
         let mut generator = Generator {
             rng: Rng::with_seed(seed),
             motors: Vec::new(),
@@ -95,15 +116,47 @@ impl Scenario {
             motors: generator.motors,
             need_five_switches,
             obey_all,
+            when_silent: firmware(seed),
             actions,
         }
+    }
+
+    /// The same with pages that crash and workers that die, half of them while a wheel turns.
+    fn with_losses(self) -> Self {
+        let mut rng = Rng::with_seed(self.seed ^ LOSSES);
+        let mut actions = Vec::new();
+        for action in self.actions {
+            if rng.u8(..LOSS_EVERY) == 0 {
+                let place = rng.usize(..self.motors.len().max(1));
+                let id = self.motors.get(place).copied().unwrap_or(MotorId::FIRST);
+                let speed = Setpoint::velocity(SpeedTarget::clamped(rng.i32(-150..=150)));
+                let back_after = Duration::from_millis(rng.u64(50..3_000));
+                // An even number of actions, so that a model keeps its open loop: see `in_terms_of`.
+                actions.extend([
+                    if rng.bool() {
+                        drive(id, speed)
+                    } else {
+                        Action::Line(LineFault::None)
+                    },
+                    pause_ms(rng.u64(1..900)),
+                    if rng.bool() {
+                        Action::PageCrashes { back_after }
+                    } else {
+                        Action::WorkerDies { back_after }
+                    },
+                    pause_ms(rng.u64(..2_500)),
+                ]);
+            }
+            actions.push(action);
+        }
+        Self { actions, ..self }
     }
 
     /// The scenario of this seed, in which random sequences are run as well. The motors are there and
     /// the line is good when one is armed; what happens then is as random as before.
     #[must_use]
     pub fn with_sequences(seed: u64) -> Self {
-        let scenario = Self::from_seed(seed);
+        let scenario = Self::without_losses(seed);
         let mut rng = Rng::with_seed(seed ^ SEQUENCES);
         let mut actions = Vec::new();
         for (place, action) in scenario.actions.into_iter().enumerate() {
@@ -125,11 +178,17 @@ impl Scenario {
             }
             actions.push(action);
         }
-        Self {
+        let scenario = Self {
             actions,
             ..scenario
-        }
+        };
+        scenario.with_losses()
     }
+}
+
+fn firmware(seed: u64) -> WhenSilent {
+    let drawn = Rng::with_seed(seed ^ FIRMWARE).choice(WhenSilent::ALL);
+    drawn.unwrap_or_default()
 }
 
 fn another_id() -> Option<AssignableId> {

@@ -9,12 +9,13 @@ use motorlink_bus::{
     BusSettings, Command, CommandRate, Consent, GroupSetpoints, Limits, Repeat, SetIdFrames,
 };
 use motorlink_fault_simulation::{
-    Absence, Action, Coverage, LineFault, PendingInput, Scenario, play, trace_lines,
+    Absence, Action, Coverage, Failure, LineFault, PendingInput, Scenario, play, trace_lines,
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
     SpeedTarget, family::Model,
 };
+use motorlink_simulator::WhenSilent;
 
 fn id(address: u8) -> MotorId {
     MotorId::new(address).unwrap()
@@ -78,18 +79,26 @@ fn switch(id: MotorId, mode: Mode) -> Action {
 }
 
 /// The seed is that of the noise on the line, and the one that found it.
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "each scenario is a literal list"
+)]
 fn holds(seed: u64, motors: u8, actions: Vec<Action>) {
-    let scenario = Scenario {
-        seed,
-        model: Model::Ddsm115,
-        motors: (1..=motors).map(id).collect(),
-        need_five_switches: Vec::new(),
-        obey_all: false,
-        actions,
-    };
-    if let Err(failure) = play(&scenario, &mut Coverage::default()) {
-        let passed = trace_lines(&scenario, 20).join("\n  ");
-        panic!("step {}: {}\n  {passed}", failure.step, failure.violation);
+    for when_silent in WhenSilent::ALL {
+        let scenario = Scenario {
+            seed,
+            model: Model::Ddsm115,
+            motors: (1..=motors).map(id).collect(),
+            need_five_switches: Vec::new(),
+            obey_all: false,
+            when_silent,
+            actions: actions.clone(),
+        };
+        if let Err(failure) = play(&scenario, &mut Coverage::default()) {
+            let passed = trace_lines(&scenario, 20).join("\n  ");
+            let Failure { step, violation } = failure;
+            panic!("{when_silent:?}, step {step}: {violation}\n  {passed}");
+        }
     }
 }
 

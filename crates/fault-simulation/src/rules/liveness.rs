@@ -1,0 +1,203 @@
+//! What must happen on a healthy line: a stop brakes in time and ends confirmed, also of what was left driven when the
+//! port was lost.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
+
+use motorlink_bus::{Bus, StopReport};
+use motorlink_protocol::{Instant, Mode, MotorId, family::Model};
+use motorlink_simulator::{VirtualMotor, World};
+
+use crate::rule::{Outcome, Rule, Violation, broken};
+
+/// Each motor of a stop is braked within this, in the velocity loop.
+const BRAKES_WITHIN: Duration = Duration::from_millis(300);
+/// A stop ends within this, and every motor of it has confirmed.
+const CONFIRMS_WITHIN: Duration = Duration::from_millis(1_500);
+/// The same of a model with separate frames, confirmed or not: after lost frames its replies may answer an earlier
+/// request, and such a reply does not confirm.
+const SEPARATE_ENDS_WITHIN: Duration = Duration::from_secs(4);
+/// After a faulty line becomes healthy, held bytes have arrived within this time.
+const LINE_CLEARS: Duration = Duration::from_millis(250);
+/// Below this speed a wheel stands.
+const STANDS_RPM: f32 = 1.0;
+
+/// Stops and losses, and since when nothing prevents them from ending.
+#[derive(Debug, Default)]
+pub(super) struct Liveness {
+    model: Model,
+    line_is_good: bool,
+    healthy_since: Option<Instant>,
+    /// Motors that were driven when a stop began, with that time.
+    unbraked: BTreeMap<MotorId, Instant>,
+    /// When the last motor joined the stop that runs.
+    stop_began: Option<Instant>,
+    /// Motors that turned or were driven when the port was opened, and that no ended stop has named yet.
+    left_driven: BTreeSet<MotorId>,
+    opened: Instant,
+}
+
+impl Liveness {
+    pub(super) fn of(model: Model) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
+    const fn ends_within(&self) -> Duration {
+        if self.model.has_separate_frames() {
+            SEPARATE_ENDS_WITHIN
+        } else {
+            CONFIRMS_WITHIN
+        }
+    }
+
+    /// The line was set healthy or faulty.
+    pub(super) fn line(&mut self, is_good: bool) {
+        self.line_is_good = is_good;
+        self.disturbed();
+    }
+
+    /// A frame, a reply or a call was lost or late.
+    pub(super) fn disturbed(&mut self) {
+        self.healthy_since = None;
+    }
+
+    /// The port is closed, and every stop with it.
+    pub(super) fn port_lost(&mut self) {
+        self.disturbed();
+        self.unbraked.clear();
+        self.left_driven.clear();
+        self.stop_began = None;
+    }
+
+    /// The port is open. What turns was left driven.
+    pub(super) fn port_opened(&mut self, now: Instant, world: &World) {
+        let left = world.motors().filter(|motor| is_moved(motor));
+        self.left_driven = left.map(VirtualMotor::id).collect();
+        self.opened = now;
+    }
+
+    /// A stop of these motors began, or they joined one.
+    pub(super) fn stop_begins(&mut self, now: Instant, driven: &[MotorId]) {
+        self.stop_began = Some(now);
+        for id in driven {
+            self.unbraked.entry(*id).or_insert(now);
+        }
+    }
+
+    /// A person asked for something else of these motors.
+    pub(super) fn asked(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
+        self.unbraked.retain(|id, _| !is_asked(id));
+    }
+
+    /// A stop has ended. Returns the rules that were applied.
+    pub(super) fn stop_ended(
+        &mut self,
+        now: Instant,
+        report: &StopReport,
+    ) -> Result<Vec<Rule>, Violation> {
+        let began = self.stop_began.take();
+        let mut judged = Vec::new();
+        let is_healthy = self.healthy_since.is_some_and(|since| {
+            began.is_some_and(|began| since <= began) || now.since(since) > self.ends_within()
+        });
+        for outcome in &report.motors {
+            self.unbraked.remove(&outcome.id);
+            if self.left_driven.remove(&outcome.id) {
+                judged.push(Rule::StoppedAfterALoss);
+            }
+            if is_healthy {
+                judged.push(Rule::StopsConfirm);
+            }
+            if is_healthy && !outcome.confirmed && !self.model.has_separate_frames() {
+                let what = format!("{} is unconfirmed on a good line", outcome.id);
+                return broken(Rule::StopsConfirm, now, what);
+            }
+        }
+        Ok(judged)
+    }
+
+    /// A frame goes out that may move a wheel.
+    pub(super) fn drives(&self, now: Instant) -> Outcome {
+        match self.left_driven.first() {
+            Some(id) => {
+                let what = format!("a motor is driven before {id} has been stopped");
+                broken(Rule::StoppedAfterALoss, now, what)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// All events of this moment are out.
+    pub(super) fn settled(
+        &mut self,
+        now: Instant,
+        bus: &Bus,
+        world: &World,
+    ) -> Result<Vec<Rule>, Violation> {
+        let is_well = |motor: &VirtualMotor| motor.is_powered() && motor.fault_byte() == 0;
+        // A motor that answers to another address now never answers to the one that the bus asks.
+        let is_there = |id: MotorId| world.motor(id).is_some();
+        let is_healthy = self.line_is_good
+            && world.motors().all(is_well)
+            && bus.motors(now).all(|status| is_there(status.id));
+        if !is_healthy {
+            self.disturbed();
+            return Ok(Vec::new());
+        }
+        let healthy = *self.healthy_since.get_or_insert(now + LINE_CLEARS);
+        let judged = self.brakes(now, healthy, world)?;
+        let within = self.ends_within();
+        let is_over = |began: Instant| now > began.max(healthy) + within;
+        if let Some(began) = self.stop_began.filter(|began| is_over(*began)) {
+            let what = format!("the stop of {began:?} has not ended on a good line");
+            return broken(Rule::StopsConfirm, now, what);
+        }
+        if let Some(id) = self.left_driven.first().filter(|_| is_over(self.opened)) {
+            let rpm = world.motor(*id).map(VirtualMotor::speed_rpm);
+            let what = format!("{id} was left driven, is in no report, and turns at {rpm:?} rpm");
+            return broken(Rule::StoppedAfterALoss, now, what);
+        }
+        Ok(judged)
+    }
+
+    fn brakes(
+        &mut self,
+        now: Instant,
+        healthy: Instant,
+        world: &World,
+    ) -> Result<Vec<Rule>, Violation> {
+        let mut judged = Vec::new();
+        self.unbraked.retain(|id, began| {
+            let motor = world.motor(*id).filter(|it| it.mode() == Mode::Velocity);
+            let is_braked = motor
+                .and_then(VirtualMotor::obeyed)
+                .is_some_and(|(received, drive)| received >= *began && drive.brakes());
+            if is_braked {
+                judged.push(Rule::FirstBrakeInTime);
+            }
+            !is_braked
+        });
+        let is_late = |began: &Instant| now > (*began).max(healthy) + BRAKES_WITHIN;
+        match self.unbraked.iter().find(|(_, began)| is_late(began)) {
+            Some((id, began)) => {
+                let mode = world.motor(*id).map(VirtualMotor::mode);
+                let what = format!("{id} has no brake of the stop of {began:?}, in {mode:?}");
+                broken(Rule::FirstBrakeInTime, now, what)
+            }
+            None => Ok(judged),
+        }
+    }
+}
+
+/// Whether a motor turns, or does what a frame asks that is no rest.
+fn is_moved(motor: &VirtualMotor) -> bool {
+    let is_asked = motor.is_driven()
+        && (motor.mode() == Mode::Position
+            || motor.obeyed().is_some_and(|(_, drive)| drive.signed() != 0));
+    is_asked || motor.speed_rpm().abs() >= STANDS_RPM
+}
