@@ -85,6 +85,9 @@ pub enum Command {
         /// Number of simulated worlds; 1,000 take 8 s on two cores
         #[arg(long, default_value_t = 100_000)]
         worlds: u64,
+        /// Of the part `sabotage`, only what breaks this rule
+        #[arg(long, value_name = "RULE")]
+        rule: Option<String>,
     },
     /// Measure the figures of crates/experiments on virtual motors, and run the generated programs
     Experiments,

@@ -46,8 +46,17 @@ const SCENARIOS: [&str; 10] = [
 /// Time for which the scenario `hidden` hides the page here; in a run of the tests it is 10 s.
 const HIDDEN_SECONDS: u32 = 300;
 
-/// Runs all parts, or one, and updates the table.
-pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64) -> Result<()> {
+/// What motors do when drive frames cease, each with worlds of its own.
+const FIRMWARE: [&str; 3] = ["keep", "coast", "brake"];
+
+/// Runs all parts, or one, and updates the table. `rule` is the rule that the part `sabotage` breaks.
+pub fn show(
+    workspace: &Workspace,
+    only: Option<&str>,
+    seconds: u64,
+    seeds: u64,
+    rule: Option<&str>,
+) -> Result<()> {
     let mut rows = Rows::default();
     let mut failed = Ok(());
     for part in PARTS
@@ -56,14 +65,8 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64)
     {
         // A part that fails does not prevent the others.
         failed = failed.and(match part {
-            "seeds" => {
-                let mut worlds = bench::worlds(workspace);
-                let seeds = seeds.to_string();
-                process::run_with_lines(worlds.args(["--seeds", &seeds]), |line| {
-                    rows.add_line(line);
-                })
-            }
-            "sabotage" => sabotage::show(workspace, &mut rows),
+            "seeds" => worlds(workspace, seeds, &mut rows),
+            "sabotage" => sabotage::show(workspace, &mut rows, rule),
             "fuzz" => fuzz(workspace, seconds, &mut rows),
             "browser" => scenarios(workspace, &SCENARIOS, "", &mut rows),
             _ => {
@@ -75,6 +78,22 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64)
     let file = workspace.root().join("docs/reliability.md");
     rows.write_into(&file, "reliability")?;
     failed
+}
+
+/// Plays the worlds of each model, whose firmware the seeds draw, and those of the DDSM115 with each firmware.
+fn worlds(workspace: &Workspace, seeds: u64, rows: &mut Rows) -> Result<()> {
+    let seeds = seeds.to_string();
+    let mut play = |flags: &[&str]| {
+        let mut worlds = bench::worlds(workspace);
+        worlds.args(["--seeds", &seeds]).args(flags);
+        process::run_with_lines(&mut worlds, |line| rows.add_line(line))
+    };
+    // Firmware that breaks a rule does not prevent the others.
+    let mut played = play(&[]);
+    for firmware in FIRMWARE {
+        played = played.and(play(&["--model", "ddsm115", "--when-silent", firmware]));
+    }
+    played
 }
 
 /// Runs the fuzz targets, as many at the same time as there are cores.
