@@ -6,7 +6,7 @@ use std::{collections::VecDeque, rc::Rc, time::Duration};
 use motorlink_messages::{
     Connection, Update,
     bus::{Activity, Sample},
-    protocol::{Instant, MotorId, Reply, Setpoint},
+    protocol::{Instant, MotorId, Setpoint},
     sessions::ActivityChange,
 };
 
@@ -242,7 +242,7 @@ impl History {
     pub(crate) fn recall(&mut self, zero_us: i64, samples: &[Sample]) {
         for Sample { at, reply } in samples.iter().rev() {
             let at_us = self.at(*at).as_micros().saturating_add_signed(zero_us);
-            let point = point(Instant::from_micros(at_us), reply);
+            let point = Point::of(Instant::from_micros(at_us), reply);
             self.on_track(reply.id, |track| track.recall(point));
         }
         self.recalled = self.recalled.wrapping_add(1);
@@ -332,7 +332,7 @@ impl History {
     }
 
     fn take_sample(&mut self, sample: &Sample) {
-        let point = point(self.at(sample.at), &sample.reply);
+        let point = Point::of(self.at(sample.at), &sample.reply);
         if std::mem::take(&mut self.cut_pending) && !self.tracks.is_empty() {
             if self.cuts.len() == CUTS_MAX {
                 self.cuts.pop_front();
@@ -358,15 +358,6 @@ impl History {
             change(&mut track);
             self.tracks.push((id, track));
         }
-    }
-}
-
-fn point(at: Instant, reply: &Reply) -> Point {
-    Point {
-        at,
-        speed: reply.speed,
-        current: reply.current,
-        detail: reply.detail.into(),
     }
 }
 

@@ -23,8 +23,8 @@ pub(crate) fn sample(id: MotorId, at_ms: u64, rpm: i16) -> Sample {
         reply: Reply {
             id,
             mode: Mode::Velocity,
-            current: Current::from_raw(rpm),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_raw(rpm)),
+            speed: Some(Rpm::new(rpm)),
             detail: Detail::Drive {
                 position: Position::from_raw(6_095),
             },
@@ -67,7 +67,10 @@ fn millis(at_ms: u64) -> Instant {
 }
 
 fn speeds<'a>(points: impl IntoIterator<Item = &'a Point>) -> Vec<i16> {
-    points.into_iter().map(|point| point.speed.rpm()).collect()
+    points
+        .into_iter()
+        .map(|point| point.speed().unwrap().rpm())
+        .collect()
 }
 
 /// The speeds of a stretch of time.
@@ -135,13 +138,7 @@ fn ten_minutes_at_full_rate_are_kept_and_the_oldest_give_way() {
     let mut track = Track::default();
     for count in 0..400_000_u64 {
         let Sample { at, reply } = sample(ID, count * 1_000 / 510, 0);
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
-        track.take(Point {
-            at,
-            speed,
-            current,
-            detail,
-        });
+        track.take(Point::of(at, &reply));
     }
     let newest = track.newest().unwrap().at;
     let kept = newest.since(track.oldest().unwrap().at);
@@ -155,13 +152,7 @@ fn a_stretch_of_time_may_lie_in_two_pieces() {
     let mut track = Track::default();
     for step in 0..800_000_u64 {
         let Sample { at, reply } = sample(ID, step, i16::try_from(step % 1_000).unwrap());
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
-        track.take(Point {
-            at,
-            speed,
-            current,
-            detail,
-        });
+        track.take(Point::of(at, &reply));
     }
     let oldest = track.oldest().unwrap().at.as_micros() / 1_000;
     let pieces = track.between(millis(oldest), millis(800_000));
@@ -181,13 +172,7 @@ fn the_number_of_points_is_bounded_whatever_the_clock_says() {
     let mut track = Track::default();
     for _ in 0..POINTS_MAX + 10 {
         let Sample { at, reply } = sample(ID, 5, 0);
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
-        track.take(Point {
-            at,
-            speed,
-            current,
-            detail,
-        });
+        track.take(Point::of(at, &reply));
     }
     assert_eq!(track.points.len(), POINTS_MAX);
 }
@@ -268,13 +253,7 @@ fn replies_wake_what_draws_them() {
 #[test]
 fn a_point_knows_what_its_reply_held() {
     let Sample { at, reply } = sample(ID, 5, 0);
-    let (speed, current) = (reply.speed, reply.current);
-    let of = |detail: Detail| Point {
-        at,
-        speed,
-        current,
-        detail: detail.into(),
-    };
+    let of = |detail: Detail| Point::of(at, &Reply { detail, ..reply });
     let fine = of(reply.detail);
     assert!((fine.degrees().unwrap() - 66.96).abs() < 0.01);
     assert_eq!(fine.temperature(), None);

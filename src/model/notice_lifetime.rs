@@ -3,7 +3,7 @@
 use motorlink_messages::{
     Notice, Update,
     bus::{Activity, IdQueryOutcome, MotorStatus, StopOutcome},
-    protocol::MotorId,
+    protocol::{MotorId, Rpm},
 };
 
 use crate::model::{
@@ -90,8 +90,11 @@ fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Review {
         for sample in of_motor {
             // Any motion after a standstill is a new one.
             if *still < STANDSTILL_REPLIES {
-                let stands = sample.reply.speed.magnitude() == 0;
-                *still = if stands { *still + 1 } else { 0 };
+                *still = match sample.reply.speed.map(Rpm::magnitude) {
+                    Some(0) => *still + 1,
+                    Some(_) => 0,
+                    None => *still,
+                };
             }
         }
     }

@@ -63,7 +63,7 @@ impl Scenario {
     fn replies(&mut self, number: u8, rpm: i16, times: usize) -> Vec<String> {
         let mut sample: Sample = self.motor(number).last.unwrap();
         sample.reply.id = id(number);
-        sample.reply.speed = Rpm::new(rpm);
+        sample.reply.speed = Some(Rpm::new(rpm));
         self.update.samples = vec![sample; times];
         let titles = self.update(&[]);
         self.update.samples.clear();

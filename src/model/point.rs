@@ -1,7 +1,7 @@
 //! One reply in the history.
 
 use motorlink_messages::protocol::{
-    Celsius, CoarsePosition, Current, Detail, Instant, Position, Rpm,
+    Celsius, CoarsePosition, Current, Detail, Instant, Position, Reply, Rpm,
 };
 
 /// The drawn values of one reply.
@@ -9,11 +9,15 @@ use motorlink_messages::protocol::{
 pub(crate) struct Point {
     /// When its last byte was read, on the history's clock.
     pub(crate) at: Instant,
-    pub(crate) speed: Rpm,
-    pub(crate) current: Current,
+    /// [`UNKNOWN`] if the reply does not tell it, and so is the current.
+    speed: i16,
+    current: i16,
     /// The angle, and the temperature if the reply has one.
     pub(crate) detail: Kept,
 }
+
+/// Beyond the range of a speed and of a current. An `Option` would make each point half as large again.
+const UNKNOWN: i16 = i16::MIN;
 
 /// What is drawn of a [`Detail`]. Without the turns, which would make each point half as large again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +46,15 @@ impl From<Detail> for Kept {
 }
 
 impl Point {
+    pub(crate) fn of(at: Instant, reply: &Reply) -> Self {
+        Self {
+            at,
+            speed: reply.speed.map_or(UNKNOWN, Rpm::rpm),
+            current: reply.current.map_or(UNKNOWN, Current::raw),
+            detail: reply.detail.into(),
+        }
+    }
+
     /// 0 to 360, in the resolution of the reply.
     pub(crate) fn degrees(&self) -> Option<f32> {
         match self.detail {
@@ -51,9 +64,12 @@ impl Point {
         }
     }
 
-    /// `None` in odometry, which has no current. That of a driven motor repeats the one of its last drive reply.
+    pub(crate) fn speed(&self) -> Option<Rpm> {
+        (self.speed != UNKNOWN).then_some(Rpm::new(self.speed))
+    }
+
     pub(crate) fn current(&self) -> Option<Current> {
-        (!matches!(self.detail, Kept::Odometry(_))).then_some(self.current)
+        (self.current != UNKNOWN).then_some(Current::from_raw(self.current))
     }
 
     pub(crate) fn temperature(&self) -> Option<Celsius> {

@@ -5,8 +5,7 @@ use std::time::Duration;
 use motorlink_messages::{
     Adapter, Connection, Notice, Update,
     bus::{
-        Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome,
-        StopReason,
+        Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, StopOutcome, StopReason,
     },
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
@@ -165,10 +164,10 @@ impl Session {
             }
             self.mirrored.push(motor.id);
             motor.activity = mirror.activity(motor.activity);
-            if let Some(Sample { reply, .. }) = &mut motor.last {
-                reply.speed = mirror.speed(reply.speed);
-                reply.current = mirror.current(reply.current);
-            }
+            motor.speed = motor.speed.map(|(at, speed)| (at, mirror.speed(speed)));
+            motor.current = motor
+                .current
+                .map(|(at, current)| (at, mirror.current(current)));
         }
         self
     }
@@ -244,8 +243,7 @@ impl Session {
             return false;
         }
         let turns = |motor: &MotorStatus| {
-            let speed = motor.last.map(|sample| sample.reply.speed);
-            !motor.silent && speed.is_some_and(|speed| speed.rpm() != 0)
+            !motor.silent && motor.speed.is_some_and(|(_, speed)| speed.rpm() != 0)
         };
         self.raw.is_some_and(|raw| raw.running)
             || self
@@ -267,6 +265,11 @@ impl Session {
             && (port_is_closed || !self.motors.iter().any(is_lost))
     }
 
+    fn reading<T>(&self, (at, value): (Instant, T)) -> Reading<T> {
+        let age = self.now.since(at);
+        Reading { value, age }
+    }
+
     fn last_reply(&self, id: MotorId) -> Option<Reading<Reply>> {
         let sample = self.motor(id)?.last?;
         Some(Reading {
@@ -276,19 +279,11 @@ impl Session {
     }
 
     pub(crate) fn speed(&self, id: MotorId) -> Option<Reading<Rpm>> {
-        Some(self.last_reply(id)?.map(|reply| reply.speed))
+        Some(self.reading(self.motor(id)?.speed?))
     }
 
-    /// `None` while only odometry is reported, which has no current. The odometry of a driven motor has that of its
-    /// last drive reply.
     pub(crate) fn current(&self, id: MotorId) -> Option<Reading<Current>> {
-        let reading = self.last_reply(id)?;
-        let is_driven = matches!(
-            self.motor(id)?.activity,
-            Activity::Driven { .. } | Activity::Stopping { .. }
-        );
-        let is_odometry = matches!(reading.value.detail, Detail::Odometry { .. });
-        (is_driven || !is_odometry).then(|| reading.map(|reply| reply.current))
+        Some(self.reading(self.motor(id)?.current?))
     }
 
     /// Whether the unit of reported currents is certain. If not, the raw number is shown.
@@ -306,9 +301,7 @@ impl Session {
     }
 
     pub(crate) fn temperature(&self, id: MotorId) -> Option<Reading<Celsius>> {
-        let (at, value) = self.motor(id)?.temperature?;
-        let age = self.now.since(at);
-        Some(Reading { value, age })
+        Some(self.reading(self.motor(id)?.temperature?))
     }
 
     /// The fine angle while it is recent, else the newer one.

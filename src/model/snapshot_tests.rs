@@ -16,23 +16,23 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
     let reply = Reply {
         id: ID,
         mode,
-        current: Current::from_raw(100),
-        speed: Rpm::new(rpm),
+        current: Some(Current::from_raw(100)),
+        speed: Some(Rpm::new(rpm)),
         detail: Detail::Query {
             temperature: Celsius::new(33),
             position: CoarsePosition::from_raw(47),
         },
         faults: Faults::NONE,
     };
+    let at = Instant::from_millis(at_ms);
     MotorStatus {
         id: ID,
         activity: Activity::Idle,
-        last: Some(Sample {
-            at: Instant::from_millis(at_ms),
-            reply,
-        }),
+        last: Some(Sample { at, reply }),
+        speed: Some((at, Rpm::new(rpm))),
+        current: Some((at, Current::from_raw(100))),
         position: None,
-        temperature: Some((Instant::from_millis(at_ms), Celsius::new(33))),
+        temperature: Some((at, Celsius::new(33))),
         silent: false,
         may_turn: false,
         turns_unasked: false,
@@ -110,23 +110,16 @@ fn the_outcomes_of_a_stop_that_a_disconnect_ended_are_kept() {
     assert_eq!((stop.outcomes.len(), stop.ended), (1, true));
 }
 
-/// Odometry has no current, and a motor that is not driven gets no drive frames.
+/// An odometry reply has no current, and the first one no speed.
 #[test]
-fn a_motor_that_tells_odometry_only_has_no_known_current() {
+fn each_value_is_as_old_as_the_reply_that_told_it() {
     let mut motor = status(1_000, Mode::Velocity, 0);
-    motor.last.as_mut().unwrap().reply.detail = Detail::Odometry {
-        turns: 0,
-        position: Position::from_raw(0),
-    };
-    let current = |activity| session(1_000, MotorStatus { activity, ..motor }).current(ID);
-    assert_eq!(current(Activity::Idle), None);
-    let to = Mode::Velocity;
-    assert_eq!(current(Activity::Switching { to }), None);
-    // Between two odometry replies, drive replies report it.
-    let setpoint = Setpoint::velocity(SpeedTarget::clamped(100));
-    assert!(current(Activity::Driven { setpoint }).is_some());
-    // The bus repeats no current for a raw frame.
-    assert_eq!(current(Activity::DrivenRaw), None);
+    motor.speed = Some((Instant::from_millis(800), Rpm::new(7)));
+    motor.current = None;
+    let session = session(1_100, motor);
+    let speed = session.speed(ID).unwrap();
+    assert_eq!((speed.value, speed.age.as_millis()), (Rpm::new(7), 300));
+    assert_eq!(session.current(ID), None);
 }
 
 #[test]

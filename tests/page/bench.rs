@@ -291,22 +291,22 @@ pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
     let reply = Reply {
         id: MotorId::FIRST,
         mode,
-        current: Current::from_raw(0),
-        speed: Rpm::new(0),
+        current: Some(Current::from_raw(0)),
+        speed: Some(Rpm::new(0)),
         detail: Detail::Query {
             temperature: Celsius::new(30),
             position: CoarsePosition::from_raw(0),
         },
         faults: Faults::NONE,
     };
+    // A report that stays fresh for as long as a test takes.
+    let at = now() + std::time::Duration::from_secs(60);
     MotorStatus {
         id: MotorId::FIRST,
         activity,
-        last: Some(Sample {
-            // A report that stays fresh for as long as a test takes.
-            at: now() + std::time::Duration::from_secs(60),
-            reply,
-        }),
+        last: Some(Sample { at, reply }),
+        speed: reply.speed.map(|speed| (at, speed)),
+        current: reply.current.map(|current| (at, current)),
         position: None,
         temperature: None,
         silent: false,

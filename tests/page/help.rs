@@ -202,7 +202,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
             setpoint: *setpoint,
         },
     );
-    turning.last.as_mut().unwrap().reply.speed = Rpm::new(20);
+    turning.speed = turning.speed.map(|(at, _)| (at, Rpm::new(20)));
     bench.report(turning, false);
     bench
         .until("the stop", || {

@@ -35,8 +35,8 @@ fn sample(id: MotorId, at_ms: u64, rpm: i16, degrees: u16, faults: Faults) -> Sa
         reply: Reply {
             id,
             mode: Mode::Velocity,
-            current: Current::from_raw(0),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_raw(0)),
+            speed: Some(Rpm::new(rpm)),
             detail: Detail::Drive {
                 position: Position::from_raw(u16::try_from(raw).unwrap()),
             },

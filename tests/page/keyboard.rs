@@ -87,9 +87,7 @@ async fn space_stops_what_moves_though_no_setpoint_stands() {
         ("raw", Activity::DrivenRaw, 0),
     ] {
         let mut moving = motor(Mode::Velocity, activity);
-        if let Some(sample) = &mut moving.last {
-            sample.reply.speed = Rpm::new(rpm);
-        }
+        moving.speed = moving.speed.map(|(at, _)| (at, Rpm::new(rpm)));
         bench.report(moving, false);
         bench.received().await;
         assert!(!dispatch_key("keydown", " ", false), "{what}");

@@ -129,8 +129,8 @@ fn spinning(bench: &Bench, late_hz: u16, ahead: Duration) {
             reply: Reply {
                 id: MotorId::FIRST,
                 mode: Mode::Velocity,
-                current: Current::from_raw(0),
-                speed: Rpm::new(100),
+                current: Some(Current::from_raw(0)),
+                speed: Some(Rpm::new(100)),
                 detail: Detail::Drive {
                     position: Position::from_raw(u16::try_from(position).unwrap()),
                 },

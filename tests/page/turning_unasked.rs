@@ -13,9 +13,7 @@ const STOP_ALL: Command = Command::StopAll(StopReason::Operator);
 fn turning() -> MotorStatus {
     let mut motor = motor(Mode::Velocity, Activity::Idle);
     motor.turns_unasked = true;
-    if let Some(sample) = &mut motor.last {
-        sample.reply.speed = Rpm::new(100);
-    }
+    motor.speed = motor.speed.map(|(at, _)| (at, Rpm::new(100)));
     motor
 }
 

@@ -51,10 +51,9 @@ pub(crate) fn spin(path: &str) -> Result<(), Box<dyn Error>> {
             Output::Event(Event::Telemetry(sample)) if now >= print_at => {
                 print_at = now + PRINT_EVERY;
                 let reply = sample.reply;
-                println!(
-                    "{now:?}  {}  {}  {}",
-                    reply.speed, reply.current, reply.faults
-                );
+                if let (Some(speed), Some(current)) = (reply.speed, reply.current) {
+                    println!("{now:?}  {speed}  {current}  {}", reply.faults);
+                }
             }
             Output::Event(Event::StopEnded(report)) => {
                 println!("{now:?}  {:?}", report.motors);

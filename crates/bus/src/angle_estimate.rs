@@ -71,10 +71,13 @@ impl Estimate {
 impl AngleEstimate {
     /// Updates the estimate with a reply that arrived in its window.
     pub(crate) fn replied(&mut self, at: Instant, reply: &Reply) {
+        let Some(speed) = reply.speed else {
+            return;
+        };
         let carried = self.last.map(|before| {
             let mean_dps = f32::midpoint(
                 before.speed.degrees_per_second(),
-                reply.speed.degrees_per_second(),
+                speed.degrees_per_second(),
             );
             (before.advanced_to(at, mean_dps), before.seen)
         });
@@ -101,13 +104,11 @@ impl AngleEstimate {
                     .map_or((degrees, seen), |read| (read, at))
             }),
         };
-        let gain_dps2 = self
-            .last
-            .map_or(0.0, |before| before.gain_to(at, reply.speed));
+        let gain_dps2 = self.last.map_or(0.0, |before| before.gain_to(at, speed));
         self.last = angle.map(|(degrees, seen)| Estimate {
             at,
             degrees,
-            speed: reply.speed,
+            speed,
             gain_dps2,
             seen,
         });
@@ -213,8 +214,8 @@ mod tests {
         Reply {
             id: MotorId::FIRST,
             mode: Mode::Position,
-            current: Current::from_raw(0),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_raw(0)),
+            speed: Some(Rpm::new(rpm)),
             detail: match degrees {
                 #[allow(
                     clippy::cast_possible_truncation,

@@ -139,16 +139,18 @@ impl Limits {
         overcurrent: Overcurrent,
         driven_since: Instant,
     ) -> Option<ExceededLimit> {
-        let (speed, current) = (last.reply.speed, last.reply.current);
-        if last.at >= driven_since && speed.magnitude() > self.speed_rpm + OVERSHOOT_RPM {
+        if let Some(reached) = last.reply.speed
+            && last.at >= driven_since
+            && reached.magnitude() > self.speed_rpm + OVERSHOOT_RPM
+        {
             return Some(ExceededLimit::Speed {
-                reached: speed,
+                reached,
                 limit: self.speed_rpm,
             });
         }
-        if overcurrent.lasted(last.at, driven_since) >= OVERCURRENT_FOR {
+        if let Some(reached) = overcurrent.since_long(driven_since) {
             return Some(ExceededLimit::Current {
-                reached: current,
+                reached,
                 limit: self.current_ma,
             });
         }
@@ -249,23 +251,27 @@ impl fmt::Display for Milliamps {
     }
 }
 
-/// Since when every reply reports a current above the limit.
+/// The replies in a row that report a current above the limit: the time of the first, and the last with its time.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Overcurrent(Option<Instant>);
+pub(crate) struct Overcurrent(Option<(Instant, (Instant, Current))>);
 
 impl Overcurrent {
+    /// Records a sample. One without a current neither begins nor ends an overcurrent.
     pub(crate) fn record(&mut self, sample: Sample, limits: Limits) {
-        self.0 = if limits.is_over_current(sample.reply.current) {
-            self.0.or(Some(sample.at))
-        } else {
-            None
+        let Some(current) = sample.reply.current else {
+            return;
         };
+        let since = self.0.map_or(sample.at, |(since, _)| since);
+        self.0 = limits
+            .is_over_current(current)
+            .then_some((since, (sample.at, current)));
     }
 
-    /// How long the overcurrent has lasted at a reply, of a motor driven since `driven_since`.
-    fn lasted(self, until: Instant, driven_since: Instant) -> Duration {
-        self.0
-            .map_or(Duration::ZERO, |since| until.since(since.max(driven_since)))
+    /// The last current, if the overcurrent of a motor driven since `driven_since` has lasted too long.
+    fn since_long(self, driven_since: Instant) -> Option<Current> {
+        let (since, (until, reached)) = self.0?;
+        let lasted = until.since(since.max(driven_since));
+        (lasted >= OVERCURRENT_FOR).then_some(reached)
     }
 }
 

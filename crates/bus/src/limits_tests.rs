@@ -10,8 +10,8 @@ fn sample(at_ms: u64, rpm: i16, amps: f32) -> Sample {
         reply: Reply {
             id: MotorId::FIRST,
             mode: Mode::Velocity,
-            current: Current::from_amps(amps),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_amps(amps)),
+            speed: Some(Rpm::new(rpm)),
             detail: Detail::Undetermined([0, 0]),
             faults: Faults::NONE,
         },
@@ -139,7 +139,7 @@ fn a_current_at_its_limit_is_not_above_it() {
     let limits = Limits::new(330, 2_700, 75).unwrap();
     let lasted = |raw: i16| {
         let mut at_limit = sample(1, 0, 0.0);
-        at_limit.reply.current = Current::from_raw(raw);
+        at_limit.reply.current = Some(Current::from_raw(raw));
         let later = Sample {
             at: Instant::from_millis(1_000),
             ..at_limit

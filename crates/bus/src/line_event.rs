@@ -50,7 +50,7 @@ pub enum LineEventKind {
         mode: Option<Mode>,
     },
     /// A reading in separate frames, as a reply of a DDSM115 in the units of the bus: for the recording. What the motor
-    /// did not say in this frame is as it was last.
+    /// did not say in this frame is unknown.
     Reading {
         /// As a DDSM115 would send it.
         frame: Frame,

@@ -1,7 +1,7 @@
 //! State of one motor: what the bus knows of it and does with it.
 
 use motorlink_protocol::{
-    Celsius, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
+    Celsius, Current, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
     family::{Model, Reading},
 };
 
@@ -120,6 +120,12 @@ pub(crate) struct Motor {
     pub(crate) left_in: Option<Mode>,
     turning_unasked: TurningUnasked,
     last: Option<Sample>,
+    /// Whether it has ever answered.
+    has_answered: bool,
+    /// When it last told anything of its wheel.
+    told: Option<Instant>,
+    speed: Option<(Instant, Rpm)>,
+    current: Option<(Instant, Current)>,
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
     overcurrent: Overcurrent,
@@ -165,6 +171,10 @@ impl Motor {
             left_in: None,
             turning_unasked: TurningUnasked::default(),
             last: None,
+            has_answered: false,
+            told: None,
+            speed: None,
+            current: None,
             position: None,
             temperature: None,
             overcurrent: Overcurrent::default(),
@@ -206,11 +216,10 @@ impl Motor {
             let exceeded = limits.exceeded(sample, None, self.overcurrent, driven.since);
             self.exceeded = self.exceeded.or(exceeded);
         }
-        self.unanswered_in_a_row = 0;
-        self.lost_in_a_row = 0;
-        self.garbled_in_a_row = 0;
         self.other_loop = None;
         self.count_reply();
+        self.speed = reply.speed.map(|speed| (at, speed)).or(self.speed);
+        self.current = reply.current.map(|current| (at, current)).or(self.current);
         match reply.detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 self.position = Some((at, position));
@@ -220,7 +229,22 @@ impl Motor {
             }
             Detail::Undetermined(_) => {}
         }
+        self.tells(at)
+    }
+
+    /// Records that it told something of its wheel. Returns whether it was silent before.
+    pub(crate) fn tells(&mut self, at: Instant) -> bool {
+        self.told = Some(at);
+        self.request_answered();
         std::mem::take(&mut self.silent)
+    }
+
+    /// Records that it answers, even if it tells nothing of its wheel.
+    pub(crate) fn request_answered(&mut self) {
+        self.has_answered = true;
+        self.unanswered_in_a_row = 0;
+        self.lost_in_a_row = 0;
+        self.garbled_in_a_row = 0;
     }
 
     /// Records a reply of unknown age: one less is outstanding, and it is no current reading. But replies arrive
@@ -249,6 +273,7 @@ impl Motor {
     ) -> Option<Layout> {
         let layout = self.late.layout_of_reply(now, layout)?;
         let reply = reply.in_layout(Some(layout));
+        let speed = reply.speed?;
         let certain = self.late.all_answered_in_time();
         let (degrees, fits) = match reply.detail {
             Detail::Query {
@@ -264,9 +289,7 @@ impl Motor {
             }
         };
         // Both filters see every reading.
-        let follows = self
-            .angle_filter
-            .accepts(now, degrees, reply.speed, certain);
+        let follows = self.angle_filter.accepts(now, degrees, speed, certain);
         (fits && follows).then_some(layout)
     }
 

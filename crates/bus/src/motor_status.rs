@@ -1,6 +1,6 @@
 //! A motor as the page shows it.
 
-use motorlink_protocol::{Celsius, Instant, Mode, MotorId, Position, Setpoint};
+use motorlink_protocol::{Celsius, Current, Instant, Mode, MotorId, Position, Rpm, Setpoint};
 
 use crate::{
     counters::{Counters, LinkQuality},
@@ -42,6 +42,10 @@ pub struct MotorStatus {
     pub activity: Activity,
     /// Its last reply.
     pub last: Option<Sample>,
+    /// Its last speed. A newer reply may have none.
+    pub speed: Option<(Instant, Rpm)>,
+    /// Its last current. A newer reply may have none.
+    pub current: Option<(Instant, Current)>,
     /// Its last fine position, from a drive reply.
     pub position: Option<(Instant, Position)>,
     /// Its last temperature, from a feedback query.

@@ -214,6 +214,9 @@ impl Bus {
         let unconfirmed = motor.loop_is_unconfirmed();
         let waited = motor.must_name_loop(now);
         let Some(reply) = as_reply(motor, now, &reading, asked) else {
+            if !matches!(reading, Reading::Mode(_)) && motor.tells(now) {
+                self.events.push_back(Event::MotorBack(id));
+            }
             self.loop_named(now, id, names_loop.filter(|_| confirms_loop), waited);
             if measures_round_trip {
                 self.round_trip.replied(took);
@@ -221,7 +224,7 @@ impl Bus {
             return;
         };
         if model.has_separate_frames() {
-            let (frame, asked) = as_combined(reply, motor.last_position());
+            let (frame, asked) = as_combined(reply);
             let kind = LineEventKind::Reading { frame, asked };
             self.events
                 .push_back(Event::Line(LineEvent { at: now, kind }));
@@ -243,10 +246,7 @@ impl Bus {
         let Some(motor) = self.motor_mut(id) else {
             return;
         };
-        // It answers, even if it tells nothing of the wheel.
-        motor.unanswered_in_a_row = 0;
-        motor.lost_in_a_row = 0;
-        motor.garbled_in_a_row = 0;
+        motor.request_answered();
         motor.count_reply();
         match (&mut motor.control, named) {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
@@ -326,9 +326,7 @@ fn as_reply(
     asked: Option<motorlink_protocol::Layout>,
 ) -> Option<Reply> {
     let Reading::Combined(reply) = reading else {
-        let is_driven = matches!(motor.control, Control::Driven(_) | Control::Stopping(_));
-        let (model, last) = (motor.model, motor.last_reply());
-        return motor.separate.record(now, model, reading, last, is_driven);
+        return motor.separate.record(now, motor.model, reading);
     };
     Some(reply.in_layout(asked))
 }
@@ -356,7 +354,8 @@ fn act_on_reply(
         Control::Driven(driven) => {
             // A reply soon after Hold may tell where the wheel was then.
             if let Some(hold) = driven.hold
-                && let Some(held) = hold.refined(now, seen, reply.speed)
+                && let Some(speed) = reply.speed
+                && let Some(held) = hold.refined(now, seen, speed)
             {
                 driven.goal = Setpoint::Position(held);
                 driven.next_frame = now;

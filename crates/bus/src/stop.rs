@@ -167,7 +167,10 @@ impl Stopping {
     /// Records a reply to a request of this stop.
     pub(crate) fn record_reply(&mut self, reply: &Reply) {
         self.record_loop(reply.mode);
-        let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
+        let Some(speed) = reply.speed else {
+            return;
+        };
+        let standing = reply.mode == Mode::Velocity && speed.magnitude() < 1;
         self.standstill_replies = if standing {
             self.standstill_replies.saturating_add(1)
         } else {

@@ -35,8 +35,8 @@ fn standing(mode: Mode) -> Reply {
     Reply {
         id: ID,
         mode,
-        current: Current::from_raw(0),
-        speed: Rpm::new(0),
+        current: Some(Current::from_raw(0)),
+        speed: Some(Rpm::new(0)),
         detail: Detail::Undetermined([0, 0]),
         faults: Faults::NONE,
     }

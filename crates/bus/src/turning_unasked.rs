@@ -15,8 +15,15 @@ impl TurningUnasked {
     /// Records a reply of a motor that nothing here drives or stops. The first one that shows motion counts, since the
     /// wheel may be near fingers; a single calm one may be wrong.
     pub(crate) fn record(&mut self, reply: &Reply) {
-        let turns = reply.speed.magnitude() >= UNASKED_RPM;
-        let draws = reply.current.raw().unsigned_abs() > UNASKED_CURRENT_RAW;
+        if reply.speed.is_none() && reply.current.is_none() {
+            return;
+        }
+        let turns = reply
+            .speed
+            .is_some_and(|speed| speed.magnitude() >= UNASKED_RPM);
+        let draws = reply
+            .current
+            .is_some_and(|current| current.raw().unsigned_abs() > UNASKED_CURRENT_RAW);
         self.calm_replies_left = if turns || draws {
             UNASKED_CALM_REPLIES
         } else {

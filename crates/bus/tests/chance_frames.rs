@@ -5,7 +5,7 @@ mod fixture;
 
 use fixture::{Fixture, ID, drive_frame, id, ms, raw, rpm};
 use motorlink_bus::{Command, Event, IdQueryOutcome, RawAnswer, Repeat, StopReason};
-use motorlink_protocol::{Frame, Reply, Request};
+use motorlink_protocol::{Frame, Reply, Request, Rpm};
 use motorlink_simulator::WorldConfig;
 
 fn bytes(text: &str) -> [u8; 10] {
@@ -42,7 +42,7 @@ fn two_replies_in_one_chunk_are_read_as_the_two_that_they_are() {
     let read = told(&fixture);
     assert!(read.iter().any(|reply| reply.id == id(2)), "{read:?}");
     assert!(
-        read.iter().all(|reply| reply.speed.magnitude() == 0),
+        read.iter().all(|reply| reply.speed == Some(Rpm::new(0))),
         "{read:?}"
     );
 }

@@ -30,7 +30,7 @@ fn drives_a_motor(fixture: &Fixture) -> bool {
 }
 
 fn answers(fixture: &Fixture) -> bool {
-    fixture.status(ID).last.is_some()
+    fixture.status(ID).counters.replies > 0
 }
 
 fn is_enabled(fixture: &Fixture) -> bool {

@@ -131,8 +131,7 @@ fn a_current_above_its_limit_stops_after_half_a_second_and_not_before() {
     fixture.run(ms(1_000));
     assert_eq!(exceeded(&fixture), None, "what a start takes is let pass");
     fixture.world.motor_mut(ID).unwrap().set_load_nm(1.2);
-    let overloaded =
-        |fixture: &Fixture| fixture.status(ID).last.unwrap().reply.current.amps() > 1.0;
+    let overloaded = |fixture: &Fixture| fixture.status(ID).current.unwrap().1.amps() > 1.0;
     fixture.run_until(ms(500), overloaded);
     fixture.run(ms(400));
     assert_eq!(exceeded(&fixture), None);

@@ -32,7 +32,7 @@ fn a_coasting_wheel_is_not_taken_to_stand() {
         fixture.run(ms(1_500));
         let reply = fixture.status(ID).last.unwrap().reply;
         assert!(matches!(reply.detail, Detail::Odometry { .. }));
-        assert!(reply.speed.magnitude() > 20, "{model} {reply:?}");
+        assert!(reply.speed.unwrap().magnitude() > 20, "{model} {reply:?}");
         let mode = Mode::Position;
         let refused = fixture.command(Command::SwitchMode { id: ID, mode });
         assert!(matches!(refused, Err(Refusal::TooFast(_))), "{model}");

@@ -8,7 +8,7 @@ use motorlink_bus::{
     Activity, Command, Consent, Event, RawAnswer, RawInterval, RawStatus, Refusal, Repeat,
     StopReason,
 };
-use motorlink_protocol::{CurrentTarget, Frame, Layout, Mode, Request};
+use motorlink_protocol::{CurrentTarget, Frame, Layout, Mode, Request, Rpm};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
 const QUERY: &str = "01 74 00 00 00 00 00 00 00 04";
@@ -199,7 +199,7 @@ fn echo_of_a_raw_frame_that_looks_like_a_reply_is_no_telemetry() {
         Some(RawAnswer::Silence { .. })
     ));
     let samples = fixture.events.iter().filter_map(|(_, event)| match event {
-        Event::Telemetry(sample) => Some(sample.reply.speed.magnitude()),
+        Event::Telemetry(sample) => sample.reply.speed.map(Rpm::magnitude),
         _ => None,
     });
     let speeds: Vec<u16> = samples.collect();

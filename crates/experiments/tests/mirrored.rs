@@ -26,8 +26,8 @@ fn one_step_turns_both_wheels_of_a_vehicle_forward() {
         id,
         at,
         mode: Mode::Velocity,
-        rpm,
-        current: Current::from_amps(amps),
+        rpm: Some(rpm),
+        current: Some(Current::from_amps(amps)),
         degrees: None,
         celsius: None,
         faults: Faults::NONE,
@@ -54,9 +54,14 @@ fn one_step_turns_both_wheels_of_a_vehicle_forward() {
     let on_the_wire: Vec<i16> = last.iter().map(|(_, setpoint)| rpm(setpoint)).collect();
     assert_eq!(on_the_wire, [100, -100]);
     let record = runner.record();
-    assert!(record.samples().iter().all(|sample| sample.rpm == 99));
+    assert!(record.samples().iter().all(|sample| sample.rpm == Some(99)));
     let amps = Current::from_amps(0.5);
-    assert!(record.samples().iter().all(|sample| sample.current == amps));
+    assert!(
+        record
+            .samples()
+            .iter()
+            .all(|sample| sample.current == Some(amps))
+    );
     let of_both = [ONE, two()].map(|id| {
         let mut sent = record.sent_setpoints().iter().rev();
         rpm(&sent.find(|sent| sent.id == id).unwrap().setpoint)

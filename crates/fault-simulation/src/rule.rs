@@ -51,11 +51,13 @@ pub enum Rule {
     FirstBrakeInTime,
     /// On a good line a stop ends in time, and every motor of it has confirmed.
     StopsConfirm,
+    /// Every value of a sample was in a reply of that age.
+    NoInventedValue,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -78,6 +80,7 @@ impl Rule {
         Self::StoppedAfterALoss,
         Self::FirstBrakeInTime,
         Self::StopsConfirm,
+        Self::NoInventedValue,
     ];
 }
 

@@ -9,8 +9,10 @@
 //! | `motion` | whether a wheel moves on after a stop or a hold |
 //! | `bounds` | limits of every frame on the wire |
 //! | `liveness` | what must happen on a good line: brakes, ends of stops, stops after a loss |
+//! | `invented` | whether every value of a sample was in a reply of that age |
 
 mod bounds;
+mod invented;
 mod liveness;
 mod motion;
 mod operator;
@@ -31,8 +33,8 @@ use motorlink_protocol::{
 use motorlink_simulator::World;
 
 use self::{
-    bounds::Bounds, liveness::Liveness, motion::Motion, operator::Operator, truth::Truth,
-    wire::Wire,
+    bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion, operator::Operator,
+    truth::Truth, wire::Wire,
 };
 use crate::rule::{Outcome, Rule, broken};
 
@@ -62,6 +64,7 @@ pub(crate) struct Rules {
     motion: Motion,
     bounds: Bounds,
     liveness: Liveness,
+    invented: Invented,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
@@ -83,6 +86,7 @@ impl Rules {
             truth: Truth::of(model),
             bounds: Bounds::of(model),
             liveness: Liveness::of(model),
+            invented: Invented::of(model),
             ..Self::default()
         }
     }
@@ -171,6 +175,7 @@ impl Rules {
     pub(crate) fn on_absence(&mut self, now: Instant, is_late: bool, world: &World) {
         self.wire.disturbed(now);
         self.liveness.disturbed();
+        self.invented.on_absence(now);
         self.stop_began = self.stop_began.map(|_| now);
         if is_late {
             if self.operator.was_late() {
@@ -321,6 +326,7 @@ impl Rules {
     pub(crate) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
         self.wire.replied(at, frame);
         self.truth.replied(frame);
+        self.invented.replied(at, frame);
         self.bounds.replied(at, frame, world);
     }
 
@@ -363,7 +369,11 @@ impl Rules {
                 self.stop_begins(now, |other| other == id);
                 self.moves_no_more(now, world, |other| other == id);
             }
-            Event::Telemetry(_) => self.judge(Rule::TelemetryIsTrue),
+            Event::Telemetry(sample) => {
+                self.judge(Rule::TelemetryIsTrue);
+                self.invented.reported(now, sample)?;
+                self.judge(Rule::NoInventedValue);
+            }
             Event::Line(traffic) => self.judge(match traffic.kind {
                 LineEventKind::Received { .. } => Rule::GoodRepliesAreHeard,
                 _ => Rule::LogIsComplete,

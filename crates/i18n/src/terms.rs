@@ -146,27 +146,33 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
 }
 
 fn received(reply: &Reply) -> String {
-    let speed = speed(reply.speed);
-    let current = in_language(reply.current.to_string());
-    let mut said = format!("{speed}, {current}");
-    match reply.detail {
+    let (temperature, position) = match reply.detail {
         Detail::Drive { position } | Detail::Odometry { position, .. } => {
-            said = format!("{said}, {}", in_language(position.to_string()));
+            (None, Some(position.to_string()))
         }
         Detail::Query {
             temperature,
             position,
-        } => {
-            said = format!(
-                "{said}, {temperature}, {}",
-                in_language(position.to_string())
-            );
+        } => (Some(temperature), Some(position.to_string())),
+        Detail::Undetermined(_) => (None, None),
+        Detail::Temperature(temperature) => (Some(temperature), None),
+    };
+    // What is unknown is left out.
+    let parts = [
+        reply.speed.map(speed),
+        reply
+            .current
+            .map(|current| in_language(current.to_string())),
+        temperature.map(|temperature| temperature.to_string()),
+        position.map(in_language),
+        (reply.mode != Mode::Velocity).then(|| mode(reply.mode).to_owned()),
+    ];
+    let mut said = String::new();
+    for part in parts.into_iter().flatten() {
+        if !said.is_empty() {
+            said.push_str(", ");
         }
-        Detail::Undetermined(_) => {}
-        Detail::Temperature(temperature) => said = format!("{said}, {temperature}"),
-    }
-    if reply.mode != Mode::Velocity {
-        said = format!("{said}, {}", mode(reply.mode));
+        said.push_str(&part);
     }
     if !reply.faults.is_none() {
         said = tr!(

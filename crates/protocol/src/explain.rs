@@ -91,23 +91,34 @@ fn driven(f: &mut fmt::Formatter<'_>, drive: Drive, mode: Option<Mode>) -> fmt::
 }
 
 fn received(f: &mut fmt::Formatter<'_>, reply: &Reply) -> fmt::Result {
+    // What is unknown is left out.
+    let mut separator = "";
+    let mut part = |part: &dyn fmt::Display| {
+        let written = write!(f, "{separator}{part}");
+        separator = ", ";
+        written
+    };
+    if let Some(speed) = reply.speed {
+        part(&speed)?;
+    }
+    if let Some(current) = reply.current {
+        part(&current)?;
+    }
     match reply.detail {
-        Detail::Drive { position } => write!(f, "{}, {}, {position}", reply.speed, reply.current)?,
+        Detail::Drive { position } => part(&position)?,
         Detail::Query {
             temperature,
             position,
         } => {
-            write!(
-                f,
-                "{}, {}, {temperature}, {position}",
-                reply.speed, reply.current
-            )?;
+            part(&temperature)?;
+            part(&position)?;
         }
-        Detail::Undetermined(_) => write!(f, "{}, {}", reply.speed, reply.current)?,
-        Detail::Temperature(temperature) => {
-            write!(f, "{}, {}, {temperature}", reply.speed, reply.current)?;
+        Detail::Undetermined(_) => {}
+        Detail::Temperature(temperature) => part(&temperature)?,
+        Detail::Odometry { turns, position } => {
+            part(&format_args!("{turns} turns"))?;
+            part(&position)?;
         }
-        Detail::Odometry { turns, position } => write!(f, "{turns} turns, {position}")?,
     }
     if reply.mode != Mode::Velocity {
         write!(f, ", {}", reply.mode)?;

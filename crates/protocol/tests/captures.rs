@@ -127,7 +127,8 @@ fn drive_reply(text: &str) -> (i16, i16, u16) {
     let Detail::Drive { position } = reply.detail else {
         panic!("{reply:?}")
     };
-    (reply.current.raw(), reply.speed.rpm(), position.raw())
+    let (current, speed) = (reply.current.unwrap(), reply.speed.unwrap());
+    (current.raw(), speed.rpm(), position.raw())
 }
 
 #[test]

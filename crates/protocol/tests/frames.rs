@@ -219,8 +219,8 @@ fn a_reply_is_explained_with_its_loop_and_its_faults() {
     let reply = Reply {
         id: ID,
         mode: Mode::Position,
-        current: Current::from_raw(0),
-        speed: Rpm::new(0),
+        current: Some(Current::from_raw(0)),
+        speed: Some(Rpm::new(0)),
         detail: Detail::Undetermined([0, 0]),
         faults: Faults::NONE.with(Fault::Stall),
     };

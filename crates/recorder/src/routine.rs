@@ -140,8 +140,8 @@ mod tests {
         let reply = Reply {
             id: MotorId::new(id).unwrap(),
             mode,
-            current: Current::from_raw(5),
-            speed: Rpm::new(50),
+            current: Some(Current::from_raw(5)),
+            speed: Some(Rpm::new(50)),
             detail: Detail::Drive {
                 position: Position::from_raw(position),
             },

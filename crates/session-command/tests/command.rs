@@ -39,8 +39,8 @@ fn run() -> (RunHeader, RunRecord) {
         samples: vec![Sample {
             id,
             at: Instant::from_millis(20),
-            rpm: 98,
-            current: Current::from_raw(717),
+            rpm: Some(98),
+            current: Some(Current::from_raw(717)),
             degrees: Some(66.96),
             celsius: None,
         }],

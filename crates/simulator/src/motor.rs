@@ -234,7 +234,7 @@ impl VirtualMotor {
         }
         let encoder = Encoder::read(self.wheel.turns());
         let detail = match layout.combined()? {
-            Layout::Drive => Detail::Drive {
+            Layout::Drive | Layout::Temperature => Detail::Drive {
                 position: self.config.drive_angle_stuck.unwrap_or(encoder.fine()),
             },
             Layout::Query => Detail::Query {
@@ -245,8 +245,8 @@ impl VirtualMotor {
         let reply = Reply {
             id: self.id(),
             mode: self.mode(),
-            current: Current::from_amps(narrow(self.measured_a())),
-            speed: Rpm::new(nearest_i16(self.reported_rpm())),
+            current: Some(Current::from_amps(narrow(self.measured_a()))),
+            speed: Some(Rpm::new(nearest_i16(self.reported_rpm()))),
             detail,
             faults: Faults::from_byte(self.fault_byte()),
         };

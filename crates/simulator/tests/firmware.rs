@@ -79,7 +79,7 @@ fn a_stuck_speed_is_reported_while_the_wheel_turns() {
         ..WorldConfig::default()
     });
     fixture.drive_watching(speed(100), ms(1_000), |_, _| {});
-    assert_eq!(fixture.query().speed.rpm(), 0);
+    assert_eq!(fixture.query().speed.unwrap().rpm(), 0);
     assert!(fixture.world.motor(ONE).unwrap().speed_rpm() > 90.0);
 }
 

@@ -24,7 +24,12 @@ fn drive(rpm: i32) -> Request {
 fn drive_for(port: &Port, rpm: i32, frames: usize) -> i16 {
     let mut reported = 0;
     for _ in 0..frames {
-        reported = port.ask(drive(rpm)).expect("an answer").speed.rpm();
+        reported = port
+            .ask(drive(rpm))
+            .expect("an answer")
+            .speed
+            .unwrap()
+            .rpm();
         std::thread::sleep(ms(17));
     }
     reported

@@ -87,7 +87,7 @@ pub(crate) async fn left_motor_turns(shared: &Shared, generation: u32) -> Result
     };
     let turns = |open: &OpenSession, now: Instant| {
         let turns = |motor: MotorStatus| {
-            let speed = motor.last.map(|last| last.reply.speed.magnitude());
+            let speed = motor.speed.map(|(_, speed)| speed.magnitude());
             left.contains(&motor.id) && speed.is_some_and(|rpm| rpm > 0)
         };
         open.bus.motors(now).any(turns).then_some(())

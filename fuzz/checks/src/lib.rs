@@ -117,7 +117,7 @@ impl Wire {
                 }
                 Output::Event(Event::PingPage) => self.bus.page_answered(self.now),
                 Output::Event(Event::Telemetry(sample)) => {
-                    self.read.push(sample.reply.speed.rpm());
+                    self.read.extend(sample.reply.speed.map(Rpm::rpm));
                 }
                 Output::Event(_) => {}
                 Output::Wait(at) => return at,
@@ -149,8 +149,8 @@ impl Wire {
         let reply = Reply {
             id: MotorId::FIRST,
             mode: Mode::Velocity,
-            current: Current::from_raw(0),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_raw(0)),
+            speed: Some(Rpm::new(rpm)),
             detail: Detail::Query {
                 temperature: Celsius::new(28),
                 position: CoarsePosition::from_raw(0),

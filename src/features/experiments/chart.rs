@@ -56,13 +56,11 @@ impl Live {
             return;
         };
         let value = match quantity {
-            Quantity::Rpm => f64::from(sample.rpm),
-            Quantity::Amps => f64::from(sample.current.amps()),
-            Quantity::Degrees => match sample.degrees {
-                Some(degrees) => degrees.into(),
-                None => return,
-            },
+            Quantity::Rpm => sample.rpm.map(f64::from),
+            Quantity::Amps => sample.current.map(|current| current.amps().into()),
+            Quantity::Degrees => sample.degrees.map(f64::from),
         };
+        let Some(value) = value else { return };
         let passed = sample.at.since(began).as_secs_f64() / self.longest_s.max(0.001);
         #[allow(
             clippy::cast_possible_truncation,
@@ -203,8 +201,8 @@ mod tests {
         let sample = |at_ms, rpm| Sample {
             id: MotorId::FIRST,
             at: Instant::from_millis(at_ms),
-            rpm,
-            current: Current::from_raw(0),
+            rpm: Some(rpm),
+            current: Some(Current::from_raw(0)),
             degrees: None,
             celsius: None,
         };

@@ -68,8 +68,10 @@ impl Trip {
             let (_, new) = track.around(newest.unwrap_or(since));
             for point in new.filter(|point| Some(point.at) > newest) {
                 let is_gap = before.is_some_and(|before| history.is_gap(before, point.at));
-                odometer.report(place, report(point, is_gap));
-                before = Some(point.at);
+                if let Some(report) = report(point, is_gap) {
+                    odometer.report(place, report);
+                    before = Some(point.at);
+                }
             }
         }
         let path = &mut self.path;
@@ -93,7 +95,8 @@ impl Trip {
     }
 }
 
-fn report(point: &Point, is_cut_off: bool) -> Report {
+/// `None` without a speed.
+fn report(point: &Point, is_cut_off: bool) -> Option<Report> {
     let step = match point.detail {
         Kept::Fine(_) => 0.0,
         Kept::Coarse(..) | Kept::Odometry(_) | Kept::Temperature(_) | Kept::Nothing => {
@@ -102,13 +105,13 @@ fn report(point: &Point, is_cut_off: bool) -> Report {
     };
     // No source says whether the angle of an odometry reply grows at positive speed: its speed counts.
     let is_odometry = matches!(point.detail, Kept::Odometry(_));
-    Report {
+    Some(Report {
         at_us: point.at.as_micros(),
         angle: point
             .degrees()
             .filter(|_| !is_odometry)
             .map(|degrees| (f64::from(degrees), step)),
-        rpm: f64::from(point.speed.rpm()),
+        rpm: f64::from(point.speed()?.rpm()),
         is_cut_off,
-    }
+    })
 }

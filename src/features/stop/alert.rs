@@ -68,13 +68,16 @@ struct Moving {
 
 fn moving(session: &Session) -> Vec<Moving> {
     let of = |motor: &MotorStatus| {
-        let reply = motor.last?.reply;
-        let turns = reply.speed != Rpm::new(0);
-        let figure = if turns {
-            format::speed_in_rpm(reply.speed)
-        } else {
-            let (value, unit) = format::current_in(reply.current, session.is_current_certain());
-            format!("{value} {unit}")
+        let speed = motor.speed.map(|(_, speed)| speed);
+        let turning = speed.filter(|speed| *speed != Rpm::new(0));
+        let turns = turning.is_some();
+        let figure = match (turning, motor.current) {
+            (Some(speed), _) => format::speed_in_rpm(speed),
+            (None, Some((_, current))) => {
+                let (value, unit) = format::current_in(current, session.is_current_certain());
+                format!("{value} {unit}")
+            }
+            (None, None) => String::new(),
         };
         Some(Moving {
             id: motor.id,

@@ -119,7 +119,7 @@ impl Quantity {
 
     fn of(self, report: &Report, mirror: Mirror) -> Option<i32> {
         match self {
-            Self::Speed => Some(mirror.speed(report.speed).rpm().into()),
+            Self::Speed => Some(mirror.speed(report.speed?).rpm().into()),
             Self::Current { .. } => Some(mirror.current(report.current?).raw().into()),
         }
     }

@@ -4,7 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Update,
     bus::{Activity, Sample},
-    protocol::{Detail, MotorId},
+    protocol::{Detail, MotorId, Rpm},
 };
 
 use crate::{
@@ -53,8 +53,7 @@ impl Readings {
                 recent.push(Report {
                     at_ms: clock.shown_ms_of(sample.at),
                     speed: sample.reply.speed,
-                    current: (!matches!(sample.reply.detail, Detail::Odometry { .. }))
-                        .then_some(sample.reply.current),
+                    current: sample.reply.current,
                 });
             }
         });
@@ -96,7 +95,7 @@ impl Readings {
                     at_ms,
                     angle.map(f64::from),
                     quality,
-                    sample.reply.speed.rpm(),
+                    sample.reply.speed.map(Rpm::rpm),
                 );
             }
             feed.set_goal(goal);

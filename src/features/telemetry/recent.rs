@@ -9,8 +9,7 @@ use motorlink_messages::protocol::{Current, Rpm};
 pub(crate) struct Report {
     /// When, in milliseconds of the shown time: see `Clock`.
     pub(crate) at_ms: f64,
-    pub(crate) speed: Rpm,
-    /// `None` in odometry, which has none.
+    pub(crate) speed: Option<Rpm>,
     pub(crate) current: Option<Current>,
 }
 
@@ -52,7 +51,7 @@ mod tests {
     fn report(at_ms: f64) -> Report {
         Report {
             at_ms,
-            speed: Rpm::new(0),
+            speed: Some(Rpm::new(0)),
             current: Some(Current::from_raw(0)),
         }
     }

@@ -30,7 +30,7 @@ fn run(bench: &Page, count: u8, long_ms: u64) {
         let mut samples = steady(long_ms, 0);
         for sample in &mut samples {
             sample.reply.id = id(of);
-            sample.reply.speed = Rpm::new(30 * i16::from(of));
+            sample.reply.speed = Some(Rpm::new(30 * i16::from(of)));
         }
         report(bench, samples);
     }

@@ -18,7 +18,7 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
     let speed = colour_of(&bench, "--speed");
     let mut samples = steady(9_000, 100);
     let middle = samples.len() / 2;
-    samples[middle].reply.speed = Rpm::new(300);
+    samples[middle].reply.speed = Some(Rpm::new(300));
     report(&bench, samples);
     bench
         .until("a line", || !rows_of(&canvas, speed, 20).is_empty())

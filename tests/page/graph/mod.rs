@@ -87,8 +87,8 @@ fn sample(at_ms: u64, rpm: i16) -> Sample {
         reply: Reply {
             id: ID,
             mode: Mode::Velocity,
-            current: Current::from_raw(0),
-            speed: Rpm::new(rpm),
+            current: Some(Current::from_raw(0)),
+            speed: Some(Rpm::new(rpm)),
             detail: Detail::Drive {
                 position: Position::from_raw(0),
             },

@@ -185,7 +185,7 @@ async fn a_drawing_of_many_samples_has_two_points_a_column() {
     let bench = bench("graph-svg-many").await;
     let mut samples = steady(9_000, 100);
     for (place, sample) in samples.iter_mut().enumerate() {
-        sample.reply.speed = Rpm::new(if place % 2 == 0 { 100 } else { -100 });
+        sample.reply.speed = Some(Rpm::new(if place % 2 == 0 { 100 } else { -100 }));
     }
     report(&bench, samples);
     let canvas = canvas(&bench);

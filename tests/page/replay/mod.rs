@@ -66,14 +66,17 @@ pub fn post(sessions: &FakeSessions, message: FromReplay) {
 
 fn status(rpm: i16, at: Instant, activity: Activity) -> MotorStatus {
     let status = motor(Mode::Velocity, activity);
+    let speed = Some(Rpm::new(rpm));
     let last = status.last.map(|Sample { reply, .. }| Sample {
         at,
-        reply: Reply {
-            speed: Rpm::new(rpm),
-            ..reply
-        },
+        reply: Reply { speed, ..reply },
     });
-    MotorStatus { last, ..status }
+    MotorStatus {
+        last,
+        speed: speed.map(|speed| (at, speed)),
+        current: status.current.map(|(_, current)| (at, current)),
+        ..status
+    }
 }
 
 /// The motor is driven, and reports this speed at this place.

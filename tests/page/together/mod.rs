@@ -198,10 +198,8 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         motor.activity = Activity::Driven {
             setpoint: setpoint(-100),
         };
-        if let Some(sample) = &mut motor.last {
-            sample.reply.speed = Rpm::new(-98);
-            sample.reply.current = Current::from_amps(-0.5);
-        }
+        motor.speed = motor.speed.map(|(at, _)| (at, Rpm::new(-98)));
+        motor.current = motor.current.map(|(at, _)| (at, Current::from_amps(-0.5)));
         update.motors = vec![standing(1), motor];
     });
     bench

@@ -1,11 +1,9 @@
 //! What a motor with separate frames has told: each reply has a part of what a DDSM115 says in one.
 
 use motorlink_protocol::{
-    Current, Detail, Instant, Mode, Reply,
+    Detail, Instant, Mode, Reply,
     family::{ModeReading, Model, Reading},
 };
-
-use crate::timing::FRESH_FOR;
 
 use super::{enabling::Enabling, loop_known::LoopKnown, odometry::LastOdometry, units};
 
@@ -17,22 +15,20 @@ pub(crate) struct Separate {
     /// Whether the next query asks for the loop. The two kinds alternate.
     pub(crate) asks_loop: bool,
     pub(crate) enabling: Enabling,
-    /// When a drive reply last told the current.
-    current_told: Option<Instant>,
+    /// Whether a drive reply has told the speed since the last odometry reply.
+    drive_told_speed: bool,
 }
 
 impl Separate {
-    /// Records a reading. Returns it as a reply with what `last` told of the rest, unless it only names the loop.
+    /// Records a reading. Returns what it tells of the wheel, unless it only names the loop, or the loop is unknown.
     ///
-    /// Outside the position loop a driven motor reports its speed in every drive reply. Otherwise the
-    /// speed is that of the odometry.
+    /// A drive reply has no speed in the position loop, and an odometry reply has none of its own. Two odometry replies
+    /// tell the mean speed between them, unless a drive reply between them tells a newer one.
     pub(crate) fn record(
         &mut self,
         now: Instant,
         model: Model,
         reading: &Reading,
-        last: Option<Reply>,
-        is_driven: bool,
     ) -> Option<Reply> {
         match reading {
             Reading::Combined(_) => None,
@@ -41,37 +37,27 @@ impl Separate {
                 None
             }
             Reading::Drive(reading) => {
-                self.current_told = Some(now);
                 let mode = self.loop_known.last()?;
                 let speed = reading.speed(model, mode).map(units::speed);
+                self.drive_told_speed |= speed.is_some();
                 Some(Reply {
                     id: reading.id,
                     mode,
-                    current: units::current(reading.current),
-                    speed: speed.or(last.map(|last| last.speed))?,
+                    current: Some(units::current(reading.current)),
+                    speed,
                     detail: Detail::Temperature(reading.temperature),
                     faults: reading.faults,
                 })
             }
             Reading::Odometry(reading) => {
-                // It powers up in the velocity loop.
-                let mode = self.loop_known.last().unwrap_or(Mode::Velocity);
                 let (turns, position) = (reading.turns, reading.position);
                 let moved = self.odometry.speed(now, turns, position);
-                let told = last.filter(|_| is_driven);
-                // A motor that is driven by raw frames tells it too. An odometry reply between two drive replies must
-                // not end an overcurrent.
-                let is_recent = |told: Instant| now.since(told) <= FRESH_FOR;
-                let current = told.or(last.filter(|_| self.current_told.is_some_and(is_recent)));
-                let speed = match told.filter(|_| mode != Mode::Position) {
-                    Some(told) => told.speed,
-                    None => moved.or(last.map(|last| last.speed)).unwrap_or_default(),
-                };
+                let is_superseded = std::mem::take(&mut self.drive_told_speed);
                 Some(Reply {
                     id: reading.id,
-                    mode,
-                    current: current.map_or(Current::from_raw(0), |last| last.current),
-                    speed,
+                    mode: self.loop_known.last()?,
+                    current: None,
+                    speed: moved.filter(|_| !is_superseded),
                     detail: Detail::Odometry { turns, position },
                     faults: reading.faults,
                 })

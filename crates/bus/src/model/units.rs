@@ -4,8 +4,7 @@
 //! scale. Only here the units of a model matter.
 
 use motorlink_protocol::{
-    CoarsePosition, Current, Detail, Drive, Frame, Layout, Mode, Position, Reply, Request, Rpm,
-    Setpoint,
+    Current, Detail, Drive, Frame, Layout, Mode, Reply, Request, Rpm, Setpoint,
     family::{self, Model, Speed},
 };
 
@@ -47,22 +46,14 @@ pub(crate) fn in_bus_units(model: Model, frame: &Frame, mode: Option<Mode>) -> O
     Some(Request::Drive { id, drive }.frame())
 }
 
-/// A reply in separate frames as a DDSM115 would send it. `angle` is the last one known.
-pub(crate) fn as_combined(reply: Reply, angle: Option<Position>) -> (Frame, Option<Layout>) {
-    let (detail, asked) = match (reply.detail, angle) {
-        (Detail::Odometry { position, .. }, _) => (Detail::Drive { position }, Some(Layout::Drive)),
-        (Detail::Temperature(temperature), Some(angle)) => {
-            let [high, _] = angle.raw().wrapping_mul(2).to_be_bytes();
-            let position = CoarsePosition::from_raw(high);
-            let detail = Detail::Query {
-                temperature,
-                position,
-            };
-            (detail, Some(Layout::Query))
-        }
-        (detail, _) => (detail, None),
+/// A reply in separate frames as a DDSM115 would send it.
+pub(crate) fn as_combined(reply: Reply) -> (Frame, Option<Layout>) {
+    let asked = match reply.detail {
+        Detail::Odometry { .. } => Some(Layout::Drive),
+        Detail::Temperature(_) => Some(Layout::Temperature),
+        _ => None,
     };
-    (Reply { detail, ..reply }.frame(), asked)
+    (reply.frame(), asked)
 }
 
 /// A reported current. It is an upper bound if its scale is not certain.

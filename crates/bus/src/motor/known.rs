@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Celsius, Faults, Instant, Position, Reply, Rpm, family::Request};
+use motorlink_protocol::{Celsius, Faults, Instant, Reply, Rpm, family::Request};
 
 use super::{Control, Driven, Motor};
 use crate::{
@@ -17,16 +17,6 @@ impl Motor {
         self.last
             .filter(|sample| now.since(sample.at) <= FRESH_FOR)
             .map(|sample| sample.reply)
-    }
-
-    /// The last reply, to fill up one that has less.
-    pub(crate) fn last_reply(&self) -> Option<Reply> {
-        self.last.map(|sample| sample.reply)
-    }
-
-    /// The last fine position.
-    pub(crate) fn last_position(&self) -> Option<Position> {
-        self.position.map(|(_, position)| position)
     }
 
     /// Whether it is known to obey drive frames.
@@ -60,7 +50,8 @@ impl Motor {
     }
 
     pub(crate) fn fresh_speed(&self, now: Instant) -> Option<Rpm> {
-        self.fresh(now).map(|reply| reply.speed)
+        let (_, speed) = self.speed.filter(|(at, _)| now.since(*at) <= FRESH_FOR)?;
+        Some(speed)
     }
 
     pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
@@ -83,7 +74,7 @@ impl Motor {
     }
 
     pub(crate) const fn has_answered(&self) -> bool {
-        self.last.is_some()
+        self.has_answered
     }
 
     /// Whether nothing here drives, switches or stops it, and no raw frame has moved it.
@@ -98,9 +89,8 @@ impl Motor {
 
     /// Since when the motor is silent.
     pub(crate) fn silent_since(&self) -> Instant {
-        self.last.map_or(self.watched_since, |sample| {
-            sample.at.max(self.watched_since)
-        })
+        self.told
+            .map_or(self.watched_since, |at| at.max(self.watched_since))
     }
 
     pub(crate) fn silent_at(&self) -> Instant {
@@ -130,6 +120,8 @@ impl Motor {
             id: self.id,
             activity: self.activity(),
             last: self.last,
+            speed: self.speed,
+            current: self.current,
             position: self.position,
             temperature: self.temperature,
             silent: self.silent,

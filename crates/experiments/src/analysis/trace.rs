@@ -41,10 +41,12 @@ impl Trace {
                 .map(|sent| point(received(sent.at), value(sent.setpoint)))
                 .collect(),
             rpm: samples()
-                .map(|sample| point(measured(sample.at), sample.rpm.into()))
+                .filter_map(|sample| Some(point(measured(sample.at), sample.rpm?.into())))
                 .collect(),
             amps: samples()
-                .map(|sample| point(measured(sample.at), sample.current.amps().into()))
+                .filter_map(|sample| {
+                    Some(point(measured(sample.at), sample.current?.amps().into()))
+                })
                 .collect(),
             celsius: samples()
                 .filter_map(|sample| Some(point(measured(sample.at), sample.celsius?.into())))

@@ -29,14 +29,15 @@ pub fn record_to_csv(record: &Record) -> String {
             step = Some(mark.step);
         }
         // Writing to a string cannot fail.
-        let _ = write!(
-            out,
-            "{:.6},{},{},{:.3},",
-            seconds(sample.at),
-            sample.id.get(),
-            sample.rpm,
-            sample.current.amps()
-        );
+        let _ = write!(out, "{:.6},{},", seconds(sample.at), sample.id.get());
+        if let Some(rpm) = sample.rpm {
+            let _ = write!(out, "{rpm}");
+        }
+        out.push(',');
+        if let Some(current) = sample.current {
+            let _ = write!(out, "{:.3}", current.amps());
+        }
+        out.push(',');
         if let Some(degrees) = sample.degrees {
             let _ = write!(out, "{degrees:.2}");
         }

@@ -53,7 +53,7 @@ pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
                 f.element(micros(it.at))?;
                 f.element(it.id.get())?;
                 f.element(it.rpm)?;
-                f.element(it.current.raw())?;
+                f.element(it.current.map(Current::raw))?;
                 f.element(it.degrees)?;
                 f.element(it.celsius)
             })
@@ -346,8 +346,8 @@ fn sample(row: &[RawJsonValue<'_, '_>]) -> Option<Sample> {
     Some(Sample {
         id: motor(id)?,
         at: Instant::from_micros(whole(at)?),
-        rpm: whole(rpm)?,
-        current: Current::from_raw(whole(current)?),
+        rpm: optional(rpm, whole).ok()?,
+        current: optional(current, whole).ok()?.map(Current::from_raw),
         degrees: optional(degrees, |it| Some(real(it)? as f32)).ok()?,
         celsius: optional(celsius, whole).ok()?,
     })

@@ -27,8 +27,10 @@ impl Telemetry {
     /// The reply with the opposite sign of speed and current.
     pub(super) fn reversed(self) -> Self {
         Self {
-            rpm: self.rpm.saturating_neg(),
-            current: Current::from_raw(self.current.raw().saturating_neg()),
+            rpm: self.rpm.map(i16::saturating_neg),
+            current: self
+                .current
+                .map(|current| Current::from_raw(current.raw().saturating_neg())),
             ..self
         }
     }

@@ -20,10 +20,10 @@ pub struct Sample {
     pub id: MotorId,
     /// When its last byte was received.
     pub at: Instant,
-    /// Speed in rpm.
-    pub rpm: i16,
-    /// Torque current.
-    pub current: Current,
+    /// Speed in rpm; `None` if the reply does not tell it.
+    pub rpm: Option<i16>,
+    /// Torque current; `None` if the reply does not tell it.
+    pub current: Option<Current>,
     /// Angle in degrees.
     pub degrees: Option<f32>,
     /// Temperature in deg C.

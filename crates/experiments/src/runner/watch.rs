@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Current, Detail, Faults, Instant, Mode, MotorId, PositionTarget, Reply, Setpoint, SpeedTarget,
+    Current, Detail, Faults, Instant, Mode, MotorId, PositionTarget, Reply, Rpm, Setpoint,
+    SpeedTarget,
 };
 
 use super::{Cause, ExceededLimit, FRESH_FOR, StartRefusal};
@@ -24,10 +25,10 @@ pub struct Telemetry {
     pub at: Instant,
     /// Its loop.
     pub mode: Mode,
-    /// Speed in rpm.
-    pub rpm: i16,
-    /// Torque current.
-    pub current: Current,
+    /// Speed in rpm; `None` if the reply does not tell it.
+    pub rpm: Option<i16>,
+    /// Torque current; `None` if the reply does not tell it.
+    pub current: Option<Current>,
     /// Angle in degrees; replies to drive frames only.
     pub degrees: Option<f32>,
     /// Temperature in deg C; replies to feedback queries only.
@@ -53,7 +54,7 @@ impl Telemetry {
             id: reply.id,
             at,
             mode: reply.mode,
-            rpm: reply.speed.rpm(),
+            rpm: reply.speed.map(Rpm::rpm),
             current: reply.current,
             degrees,
             celsius,
@@ -69,6 +70,7 @@ type Timed<T> = Option<(Instant, T)>;
 struct Known {
     id: MotorId,
     newest: Option<Telemetry>,
+    rpm: Timed<f64>,
     degrees: Timed<f64>,
     celsius: Timed<f64>,
     over_current_since: Option<Instant>,
@@ -83,6 +85,7 @@ impl Watch {
         let unknown = |id| Known {
             id,
             newest: None,
+            rpm: None,
             degrees: None,
             celsius: None,
             over_current_since: None,
@@ -100,6 +103,9 @@ impl Watch {
     ) -> Option<Cause> {
         let known = self.0.get_mut(place)?;
         known.newest = Some(reply);
+        if let Some(rpm) = reply.rpm {
+            known.rpm = Some((reply.at, f64::from(rpm).abs()));
+        }
         if let Some(degrees) = reply.degrees {
             known.degrees = Some((reply.at, degrees.into()));
         }
@@ -162,9 +168,8 @@ impl Watch {
         let Some(known) = self.0.get(place) else {
             return false;
         };
-        let newest = known.newest.filter(|reply| reply.at >= since);
-        let rpm = newest.map(|reply| f64::from(reply.rpm).abs());
         let recent = |value: Timed<f64>| value.filter(|(at, _)| *at >= since);
+        let rpm = recent(known.rpm).map(|(_, rpm)| rpm);
         // Temperature changes within minutes and is queried seldom, so an older value is accepted.
         let celsius = known.celsius.map(|(_, celsius)| celsius);
         match condition {
@@ -185,23 +190,21 @@ impl Watch {
 impl Known {
     fn exceeded(&mut self, reply: Telemetry, limits: RunLimits) -> Option<ExceededLimit> {
         let above = |value: f64, limit: Option<f64>| limit.filter(|limit| value > *limit);
-        let rpm = f64::from(reply.rpm).abs();
-        let amps = f64::from(reply.current.amps()).abs();
-        if let Some(limit) = above(rpm, limits.rpm) {
-            return Some(ExceededLimit::Rpm {
-                reached: rpm,
-                limit,
-            });
+        let rpm = reply.rpm.map(|rpm| f64::from(rpm).abs());
+        let amps = reply.current.map(|current| f64::from(current.amps()).abs());
+        if let Some(reached) = rpm
+            && let Some(limit) = above(reached, limits.rpm)
+        {
+            return Some(ExceededLimit::Rpm { reached, limit });
         }
-        if let Some(limit) = above(amps, limits.amps) {
+        if let Some(reached) = amps
+            && let Some(limit) = above(reached, limits.amps)
+        {
             let since = *self.over_current_since.get_or_insert(reply.at);
             if reply.at.since(since) >= OVERCURRENT_FOR {
-                return Some(ExceededLimit::Amps {
-                    reached: amps,
-                    limit,
-                });
+                return Some(ExceededLimit::Amps { reached, limit });
             }
-        } else {
+        } else if amps.is_some() {
             self.over_current_since = None;
         }
         let celsius = reply.celsius.map(f64::from)?;

@@ -161,8 +161,11 @@ fn speeds_and_currents(
                 angles.push(Point::new(t_s, degrees.into()));
             }
             _ => {
-                speeds.push(Point::new(t_s, f64::from(sample.rpm).abs()));
-                amps.push(Point::new(t_s, f64::from(sample.current.amps()).abs()));
+                speeds.extend(sample.rpm.map(|rpm| Point::new(t_s, f64::from(rpm).abs())));
+                let told = sample
+                    .current
+                    .map(|current| f64::from(current.amps()).abs());
+                amps.extend(told.map(|amps| Point::new(t_s, amps)));
             }
         }
     }

@@ -367,12 +367,17 @@ impl Operator {
             return;
         };
         let reported = self.reported.entry(reply.id).or_default();
-        if reply.speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM {
+        if let Some(speed) = reply.speed
+            && speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM
+        {
             reported.exceeded = reported.exceeded.or(Some((*at, "speed")));
         }
-        if reply.current.amps().abs() * 1_000.0 < f32::from(self.limits.current_ma()) + 1.0 {
+        let excess = reply.current.map(|current| {
+            current.amps().abs() * 1_000.0 >= f32::from(self.limits.current_ma()) + 1.0
+        });
+        if excess == Some(false) {
             reported.overcurrent_since = None;
-        } else {
+        } else if excess == Some(true) {
             let since = *reported.overcurrent_since.get_or_insert(*at);
             if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
                 reported.exceeded = reported.exceeded.or(Some((*at, "current")));

@@ -15,11 +15,12 @@ pub(super) fn tells(model: Model, frame: &Frame, reply: &Reply) -> bool {
     }
     match (Reading::decode(model, frame, None), reply.detail) {
         (Ok(Reading::Drive(said)), Detail::Temperature(temperature)) => {
-            let speed = said.speed(model, reply.mode);
-            let is_its = speed.is_none_or(|speed| {
-                let rpm = i32::from(reply.speed.rpm());
-                (speed.tenths() / 10 - rpm).abs() <= ROUNDED_RPM
-            });
+            let is_its = match (said.speed(model, reply.mode), reply.speed) {
+                (Some(said), Some(told)) => {
+                    (said.tenths() / 10 - i32::from(told.rpm())).abs() <= ROUNDED_RPM
+                }
+                (said, told) => said.is_none() && told.is_none(),
+            };
             said.id == reply.id
                 && said.temperature == temperature
                 && said.faults.byte() == reply.faults.byte()

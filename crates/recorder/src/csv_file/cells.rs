@@ -75,6 +75,14 @@ impl Cells {
         self.plain("");
     }
 
+    /// Adds a value, or an empty cell if it is unknown.
+    pub(crate) fn known<T>(&mut self, value: Option<T>, push: impl FnOnce(&mut String, T)) {
+        match value {
+            Some(value) => self.value(|out| push(out, value)),
+            None => self.unknown(),
+        }
+    }
+
     /// Adds the line to a file, by RFC 4180.
     #[inline(never)]
     pub(crate) fn end_line(&mut self, out: &mut Vec<u8>) {

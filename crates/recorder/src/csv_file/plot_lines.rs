@@ -92,8 +92,8 @@ impl PlotLines {
 }
 
 fn write_reply(cells: &mut Cells, reply: &Reply) {
-    cells.value(|out| push_rpm(out, reply.speed));
-    cells.value(|out| push_amps(out, reply.current));
+    cells.known(reply.speed, push_rpm);
+    cells.known(reply.current, push_amps);
     match reply.detail {
         Detail::Drive { position } | Detail::Odometry { position, .. } => {
             cells.value(|out| push_scaled(out, position.scaled()));

@@ -60,8 +60,8 @@ impl TelemetryLines {
             Mode::Velocity => "Velocity",
             Mode::Position => "Position",
         });
-        cells.value(|out| push_rpm(out, reply.speed));
-        cells.value(|out| push_amps(out, reply.current));
+        cells.known(reply.speed, push_rpm);
+        cells.known(reply.current, push_amps);
         match reply.detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 cells.unknown();

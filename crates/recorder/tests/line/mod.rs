@@ -60,8 +60,8 @@ pub fn reply(address: u8, position: u16) -> LineEventKind {
     let reply = Reply {
         id: id(address),
         mode: Mode::Velocity,
-        current: Current::from_raw(717),
-        speed: Rpm::new(50),
+        current: Some(Current::from_raw(717)),
+        speed: Some(Rpm::new(50)),
         detail: Detail::Drive {
             position: Position::from_raw(position),
         },

@@ -80,13 +80,18 @@ impl Motor {
     fn reported(&mut self, at: Instant, reply: Reply, asked: Option<Layout>) -> Reported {
         let before = self.replied.replace((at, reply)).map(|(_, reply)| reply);
         if let Some(degrees) = degrees_of(&reply) {
-            self.turn_to(at, degrees, f64::from(reply.speed.rpm()));
+            // Without a speed it turned by the least of all rotations.
+            self.turn_to(
+                at,
+                degrees,
+                reply.speed.map_or(0.0, |speed| f64::from(speed.rpm())),
+            );
         }
         let changed =
             before.is_none_or(|before| (before.mode, before.faults) != (reply.mode, reply.faults));
         let [drive, query, unknown] = &mut self.written;
         let written = match asked {
-            Some(Layout::Drive) => drive,
+            Some(Layout::Drive | Layout::Temperature) => drive,
             Some(Layout::Query) => query,
             None => unknown,
         };
@@ -143,10 +148,14 @@ impl Reported {
         out.clear();
         out.push_str("{\"mono_us\":");
         push_decimal(out, at.as_micros());
-        out.push_str(",\"speed_rpm\":");
-        push_signed(out, speed.rpm());
-        out.push_str(",\"current_a\":");
-        push_scaled(out, current.raw() < 0, current.scaled());
+        if let Some(speed) = speed {
+            out.push_str(",\"speed_rpm\":");
+            push_signed(out, speed.rpm());
+        }
+        if let Some(current) = current {
+            out.push_str(",\"current_a\":");
+            push_scaled(out, current.raw() < 0, current.scaled());
+        }
         match detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 out.push_str(",\"position_deg\":");
@@ -244,7 +253,7 @@ mod tests {
     fn reply(position: u16, rpm: i16, asked: Layout) -> LineEventKind {
         let mut reply =
             Reply::decode(&"01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(), None).unwrap();
-        reply.speed = motorlink_protocol::Rpm::new(rpm);
+        reply.speed = Some(motorlink_protocol::Rpm::new(rpm));
         reply.detail = Detail::Undetermined(position.to_be_bytes());
         let frame = reply.frame();
         LineEventKind::Received {

@@ -151,6 +151,7 @@ fn push_layout(out: &mut String, asked: Option<Layout>) {
     out.push_str(match asked {
         Some(Layout::Drive) => ",\"layout\":\"drive\"",
         Some(Layout::Query) => ",\"layout\":\"query\"",
+        Some(Layout::Temperature) => ",\"layout\":\"temperature\"",
         None => "",
     });
 }
@@ -249,6 +250,7 @@ fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> 
                 members.layout = match text {
                     "drive" => Some(Layout::Drive),
                     "query" => Some(Layout::Query),
+                    "temperature" => Some(Layout::Temperature),
                     _ => None,
                 }
             }

@@ -89,7 +89,8 @@ impl Rows {
                 // Both layouts have a position, but only one has a temperature. The article's script only sends
                 // queries.
                 let layout = match (temperature.is_empty(), position.is_empty()) {
-                    (false, _) => Some(Layout::Query),
+                    (false, false) => Some(Layout::Query),
+                    (false, true) => Some(Layout::Temperature),
                     (true, false) => Some(Layout::Drive),
                     (true, true) => None,
                 };

@@ -150,18 +150,14 @@ impl Overview {
             LineEventKind::Received { frame, asked } => {
                 self.received += 1;
                 if let Ok(reply) = Reply::decode(frame, *asked) {
-                    self.replied(after, &reply, true);
+                    self.replied(after, &reply);
                 }
             }
             LineEventKind::Commanded { .. } => {}
             LineEventKind::ModelSelected(model) => self.set_model(*model),
             LineEventKind::Reading { frame, asked } => {
                 if let Ok(reply) = Reply::decode(frame, *asked) {
-                    // Only a drive reply in separate frames has a current. It is the one with a temperature. The others
-                    // repeat the last current, or have 0 A for an unknown one.
-                    let has_current =
-                        !self.model.has_separate_frames() || *asked == Some(Layout::Query);
-                    self.replied(after, &reply, has_current);
+                    self.replied(after, &self.without_repeated(reply, *asked));
                 }
             }
             LineEventKind::Junk(_) => self.junk += 1,
@@ -178,9 +174,19 @@ impl Overview {
         self.model = model;
     }
 
-    fn replied(&mut self, after: Duration, reply: &Reply, has_current: bool) {
+    fn replied(&mut self, after: Duration, reply: &Reply) {
         let bucket = self.bucket_of(after);
-        self.motor(reply.id).replied(bucket, reply, has_current);
+        self.motor(reply.id).replied(bucket, reply);
+    }
+
+    /// Older files repeat the last current, or have 0 A, in the odometry of separate frames, which has none.
+    fn without_repeated(&self, reply: Reply, asked: Option<Layout>) -> Reply {
+        let is_odometry = self.model.has_separate_frames()
+            && !matches!(asked, Some(Layout::Query | Layout::Temperature));
+        Reply {
+            current: reply.current.filter(|_| !is_odometry),
+            ..reply
+        }
     }
 
     fn motor(&mut self, id: MotorId) -> &mut MotorOverview {

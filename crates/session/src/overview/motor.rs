@@ -28,11 +28,13 @@ pub struct Extent {
 }
 
 impl Extent {
-    fn of(reply: &Reply, has_current: bool) -> Self {
-        Self {
-            speed: (reply.speed, reply.speed),
-            current: has_current.then_some((reply.current, reply.current)),
-        }
+    /// `None` for a reply without a speed.
+    fn of(reply: &Reply) -> Option<Self> {
+        let speed = reply.speed?;
+        Some(Self {
+            speed: (speed, speed),
+            current: reply.current.map(|current| (current, current)),
+        })
     }
 
     fn and(self, other: Self) -> Self {
@@ -55,17 +57,17 @@ impl Extent {
 }
 
 impl MotorOverview {
-    pub(super) fn replied(&mut self, bucket: usize, reply: &Reply, has_current: bool) {
+    pub(super) fn replied(&mut self, bucket: usize, reply: &Reply) {
         self.replies += 1;
         self.faults = Faults::from_byte(self.faults.byte() | reply.faults.byte());
-        if let Detail::Query { temperature, .. } = reply.detail {
+        if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail {
             self.temperature_max_c = self.temperature_max_c.max(Some(temperature.degrees()));
         }
         if self.buckets.len() <= bucket {
             self.buckets.resize(bucket + 1, None);
         }
         if let Some(slot) = self.buckets.get_mut(bucket) {
-            *slot = Extent::joined(*slot, Some(Extent::of(reply, has_current)));
+            *slot = Extent::joined(*slot, Extent::of(reply));
         }
     }
 

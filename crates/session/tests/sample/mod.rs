@@ -32,8 +32,8 @@ fn exchange(n: u64) -> [LineEventKind; 2] {
     let reply = Reply {
         id,
         mode: Mode::Velocity,
-        current: Current::from_raw(i16::try_from(n * 37 % 900).unwrap()),
-        speed: Rpm::new(i16::try_from(n % 101).unwrap()),
+        current: Some(Current::from_raw(i16::try_from(n * 37 % 900).unwrap())),
+        speed: Some(Rpm::new(i16::try_from(n % 101).unwrap())),
         detail: Detail::Drive {
             position: Position::from_raw(u16::try_from(n * 991 % 32_768).unwrap()),
         },
@@ -115,8 +115,8 @@ pub fn run() -> (RunHeader, RunRecord) {
     let samples = (0..50).map(|n| Sample {
         id: id(1),
         at: at(n),
-        rpm: i16::try_from(n * 2).unwrap(),
-        current: Current::from_raw(300),
+        rpm: Some(i16::try_from(n * 2).unwrap()),
+        current: Some(Current::from_raw(300)),
         degrees: Some(66.96),
         celsius: (n % 10 == 0).then_some(33),
     });

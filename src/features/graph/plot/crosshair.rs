@@ -33,10 +33,9 @@ pub(crate) struct Values {
 /// The values of the nearest replies to a moment. Some replies contain a fine angle and others a temperature, so the
 /// nearest reply is searched for each value.
 pub(crate) fn values(track: &Track, mirror: Mirror, model: Model, at: Instant) -> Values {
-    let reported = nearest(track, at, Some);
     Values {
         model,
-        speed: reported.map(|point| mirror.speed(point.speed)),
+        speed: nearest(track, at, Point::speed).map(|it| mirror.speed(it)),
         current: nearest(track, at, Point::current).map(|it| mirror.current(it)),
         goal: track.goal_at(at).map(|goal| mirror.setpoint(goal)),
         temperature: nearest(track, at, Point::temperature),

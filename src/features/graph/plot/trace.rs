@@ -107,7 +107,7 @@ impl Trace {
     /// contain it.
     pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
         match self {
-            Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
+            Self::Speed => point.speed().map(|it| f32::from(mirror.speed(it).rpm())),
             Self::Current => point.current().map(|it| mirror.current(it).amps()),
             Self::Goal => None,
             Self::Temperature => point.temperature().map(|it| f32::from(it.degrees())),
@@ -197,16 +197,19 @@ mod tests {
 
     #[test]
     fn a_reply_gives_each_trace_its_value_or_none() {
-        let point = Point {
-            at: Instant::ZERO,
-            speed: Rpm::new(-60),
-            current: Current::from_amps(-0.5),
+        let reply = Reply {
+            id: MotorId::FIRST,
+            mode: Mode::Velocity,
+            current: Some(Current::from_amps(-0.5)),
+            speed: Some(Rpm::new(-60)),
             detail: Detail::Query {
                 temperature: Celsius::new(33),
                 position: CoarsePosition::from_raw(51),
-            }
-            .into(),
+            },
+            faults: Faults::NONE,
         };
+        let of = |reply: Reply| Point::of(Instant::ZERO, &reply);
+        let point = of(reply);
         let values = Trace::ALL.map(|trace| trace.value(&point, Mirror::Straight));
         let rounded = values.map(|value| value.map(|value| (value * 10.0).round()));
         let wanted = [Some(-600.0), Some(-5.0), None, Some(330.0), Some(720.0)];
@@ -215,24 +218,19 @@ mod tests {
         let turned = [0, 1].map(|place| values[place].map(|value| -value));
         assert_eq!(mirrored[..2], turned, "speed and current");
         assert_eq!(mirrored[2..], values[2..], "and nothing else");
-        let undetermined = Point {
-            detail: Detail::Undetermined([1, 2]).into(),
-            ..point
-        };
+        let undetermined = of(reply.undetermined());
         assert_eq!(
             Trace::Temperature.value(&undetermined, Mirror::Straight),
             None
         );
         assert_eq!(Trace::Position.value(&undetermined, Mirror::Straight), None);
-        let odometry = Detail::Odometry {
-            turns: 0,
-            position: Position::from_raw(0),
-        };
-        let odometry = Point {
-            detail: odometry.into(),
-            ..point
-        };
-        assert_eq!(Trace::Current.value(&odometry, Mirror::Straight), None);
+        let untold = of(Reply {
+            current: None,
+            speed: None,
+            ..reply
+        });
+        assert_eq!(Trace::Speed.value(&untold, Mirror::Straight), None);
+        assert_eq!(Trace::Current.value(&untold, Mirror::Straight), None);
     }
 
     #[test]

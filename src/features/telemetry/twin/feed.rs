@@ -58,22 +58,28 @@ impl TwinFeed {
     /// A reply of the motor, measured at `shown_ms`.
     ///
     /// `angle_deg` is the reported angle, 0 to 360, falling at positive speed; `None` if the reply does not contain
-    /// it. `quality` tells drive replies from query replies. `speed_rpm` is the reported speed. Replies must come in
+    /// it. `quality` tells drive replies from query replies. `speed_rpm` is the reported speed; a reply without one keeps the wheel at the speed before. Replies must come in
     /// the order of their measurement; an older one is ignored.
     pub fn sample(
         &mut self,
         shown_ms: f64,
         angle_deg: Option<f64>,
         quality: AngleQuality,
-        speed_rpm: i16,
+        speed_rpm: Option<i16>,
     ) {
         if !shown_ms.is_finite() {
             return;
         }
+        self.speed = speed_rpm
+            .map(|rpm| (shown_ms, Rpm::new(rpm)))
+            .or(self.speed);
+        let Some((_, speed)) = self.speed else {
+            return;
+        };
         let angle = angle_deg.map(|degrees| ReportedAngle { degrees, quality });
         self.angle_known |= angle.is_some();
-        self.estimator.report(shown_ms, angle, f64::from(speed_rpm));
-        self.speed = Some((shown_ms, Rpm::new(speed_rpm)));
+        self.estimator
+            .report(shown_ms, angle, f64::from(speed.rpm()));
         self.wake();
     }
 
@@ -185,7 +191,7 @@ mod tests {
             move || woken.set(woken.get() + 1)
         }));
         let goal = Some(Setpoint::velocity(SpeedTarget::ZERO));
-        feed.sample(0.0, Some(1.0), AngleQuality::Fine, 0);
+        feed.sample(0.0, Some(1.0), AngleQuality::Fine, Some(0));
         feed.set_goal(goal);
         feed.set_goal(goal);
         feed.set_activity(Some(Activity::Idle));
@@ -199,12 +205,12 @@ mod tests {
     fn a_stop_is_braking_until_the_wheel_stands() {
         let mut feed = TwinFeed::default();
         assert_eq!(feed.view(0.0).motion, Motion::NoData);
-        feed.sample(0.0, Some(90.0), AngleQuality::Fine, 100);
+        feed.sample(0.0, Some(90.0), AngleQuality::Fine, Some(100));
         assert_eq!(feed.view(5.0).motion, Motion::SpinningCcw);
         feed.set_activity(Some(Activity::Stopping { confirmed: false }));
-        feed.sample(20.0, Some(78.0), AngleQuality::Fine, 60);
+        feed.sample(20.0, Some(78.0), AngleQuality::Fine, Some(60));
         assert_eq!(feed.view(25.0).motion, Motion::Braking);
-        feed.sample(40.0, Some(75.0), AngleQuality::Fine, 0);
+        feed.sample(40.0, Some(75.0), AngleQuality::Fine, Some(0));
         let view = feed.view(45.0);
         assert_eq!(view.motion, Motion::Stationary);
         assert_eq!(view.fresh_until_ms, Some(540.0));
@@ -215,7 +221,7 @@ mod tests {
     #[test]
     fn speed_alone_is_said() {
         let mut feed = TwinFeed::default();
-        feed.sample(0.0, None, AngleQuality::Fine, -20);
+        feed.sample(0.0, None, AngleQuality::Fine, Some(-20));
         let view = feed.view(1.0);
         assert_eq!(view.motion, Motion::SpinningCw);
         assert_eq!(view.figures.unwrap().angle_text(), "–°");
@@ -225,13 +231,13 @@ mod tests {
     #[test]
     fn what_was_drawn_last_tells_the_turns_through_many_of_them() {
         let mut feed = TwinFeed::default();
-        feed.sample(0.0, Some(30.0), AngleQuality::Fine, 100);
+        feed.sample(0.0, Some(30.0), AngleQuality::Fine, Some(100));
         assert_eq!(feed.drawn(), None, "nothing was drawn yet");
         // 100 rpm make the angle fall by 12 degrees in 20 ms, and 3 turns in 1.8 s.
         for place in 0..=90_u32 {
             let at_ms = f64::from(place) * 20.0;
             let angle = (30.0 - f64::from(place) * 12.0).rem_euclid(360.0);
-            feed.sample(at_ms, Some(angle), AngleQuality::Fine, 100);
+            feed.sample(at_ms, Some(angle), AngleQuality::Fine, Some(100));
             feed.view(at_ms);
         }
         let drawn = feed.drawn().unwrap();
@@ -244,7 +250,7 @@ mod tests {
     #[test]
     fn clearing_forgets_all() {
         let mut feed = TwinFeed::default();
-        feed.sample(0.0, Some(90.0), AngleQuality::Coarse, 100);
+        feed.sample(0.0, Some(90.0), AngleQuality::Coarse, Some(100));
         feed.set_goal(Some(Setpoint::Brake));
         feed.clear();
         let view = feed.view(1.0);
