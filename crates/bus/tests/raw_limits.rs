@@ -170,6 +170,21 @@ fn malformed_switch_to_the_position_loop_needs_a_slow_wheel() {
     assert!(matches!(refused, Err(Refusal::TooFast(_))), "{refused:?}");
 }
 
+/// By its last byte it switches a DDSM115 to the position loop, which the motor refuses while it turns. By byte 2 it
+/// disables a DDSM400.
+#[test]
+fn a_frame_that_disables_another_model_is_not_too_fast() {
+    let mut fixture = Fixture::one_motor();
+    fixture
+        .command(raw(drive_frame(ID, rpm(100)), every(40, 20)))
+        .unwrap();
+    fixture.run(ms(850));
+    assert!(fixture.true_rpm() > 50.0);
+    let disable: Frame = "01 A0 09 00 00 00 00 00 00 03".parse().unwrap();
+    let outcome = fixture.command(raw(disable, Repeat::Once));
+    assert_eq!(outcome, Ok(()));
+}
+
 #[test]
 fn refused_raw_frame_adds_no_motor_and_sends_nothing() {
     let mut fixture = Fixture::one_motor();

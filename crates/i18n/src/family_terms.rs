@@ -20,7 +20,11 @@ pub fn sent(model: Model, frame: &Frame, mode: Option<Mode>) -> String {
     if !model.has_separate_frames() {
         return terms::explained(explain_sent(frame, mode));
     }
-    match Request::parse(model, frame) {
+    let request = Request::parse(model, frame).or_else(|error| {
+        let id = motorlink_protocol::Request::set_id_of(frame).ok_or(error)?;
+        Ok(Request::SetId { id })
+    });
+    match request {
         Ok(Request::Drive { drive, .. }) => driven(model, drive, mode),
         Ok(Request::Query { .. }) => tr!("odometry query").to_owned(),
         Ok(Request::ModeQuery { .. }) => tr!("mode query").to_owned(),

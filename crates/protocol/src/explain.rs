@@ -34,9 +34,14 @@ pub enum Explained {
 #[must_use]
 pub fn explain_sent(frame: &Frame, mode: Option<Mode>) -> Explained {
     Explained::Sent {
-        request: Request::parse(frame),
+        request: Request::parse(frame).or_else(|error| set_id(frame).ok_or(error)),
         mode,
     }
+}
+
+/// A set-ID frame, also with the ending of another program.
+fn set_id(frame: &Frame) -> Option<Request> {
+    Request::set_id_of(frame).map(|id| Request::SetId { id })
 }
 
 /// Explains a frame of a motor in the layout that was asked for.

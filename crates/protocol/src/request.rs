@@ -14,6 +14,8 @@ use crate::{
 const DRIVE: u8 = 0x64;
 const QUERY: u8 = 0x74;
 const SWITCH_MODE: u8 = 0xA0;
+/// The CRC of the ID query.
+const ID_QUERY_END: u8 = 0xDE;
 const SET_ID: [u8; 3] = [0xAA, 0x55, 0x53];
 const ID_QUERY: [u8; 9] = [0xC8, DRIVE, 0, 0, 0, 0, 0, 0, 0];
 
@@ -188,6 +190,18 @@ impl Request {
                 Ok(Self::SwitchMode { id: id()?, mode })
             }
             other => Err(RequestError::UnknownCommand(other)),
+        }
+    }
+
+    /// The new ID of a set-ID frame with any ending that is in use: `00` as in the maker's samples, the CRC as in the
+    /// article's table, or the `DE` of the ID query, which another program may send.
+    #[must_use]
+    pub fn set_id_of(frame: &Frame) -> Option<AssignableId> {
+        let [body @ .., last] = *frame.bytes();
+        let ends = matches!(last, 0 | ID_QUERY_END) || frame.crc_holds();
+        match Self::parse(&Frame::with_crc(body)) {
+            Ok(Self::SetId { id }) if ends => Some(id),
+            _ => None,
         }
     }
 

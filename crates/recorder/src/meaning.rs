@@ -7,7 +7,9 @@ use motorlink_i18n::{
     Language, current_language, family_terms, set_language, terms, tr, translate,
 };
 use motorlink_messages::recorder::Row;
-use motorlink_protocol::{FRAME_LEN, Frame, explain_received, explain_sent, family::Model};
+use motorlink_protocol::{
+    FRAME_LEN, Frame, Request, explain_received, explain_sent, family::Model,
+};
 
 use crate::{
     digits::{push_0x, push_decimal, push_hex},
@@ -40,6 +42,10 @@ fn translated(model: Model, passed: &LineEventKind) -> String {
         | LineEventKind::Reading { .. }
         | LineEventKind::ModelSelected(_) => String::new(),
         LineEventKind::Junk(junk) => match frame_of(junk) {
+            Some(frame) if Request::set_id_of(&frame).is_some() => {
+                let what = family_terms::sent(model, &frame, None);
+                tr!("{what}, by another program", what)
+            }
             Some(frame) => {
                 let what = family_terms::received(model, &frame, None);
                 tr!("{what}: dropped", what)
@@ -126,6 +132,9 @@ fn in_english(text: impl FnOnce() -> String) -> String {
 fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
     let bytes = junk.bytes();
     if let Some(frame) = frame_of(junk) {
+        if Request::set_id_of(&frame).is_some() {
+            return write!(out, "{}, by another program", explain_sent(&frame, None));
+        }
         let explained = explain_received(&frame, None);
         return write!(out, "{explained}: dropped");
     }
@@ -223,6 +232,19 @@ mod tests {
         );
         assert_eq!(junk("01 02 03"), "3 bytes, no valid frame");
         assert_eq!(junk("FF"), "1 byte, no valid frame");
+    }
+
+    #[test]
+    fn a_set_id_frame_of_another_program_is_named_with_any_ending() {
+        for last in ["00", "92", "DE"] {
+            let said = junk(&format!("AA 55 53 02 00 00 00 00 00 {last}"));
+            assert_eq!(said, "set ID 0x02 on all motors, by another program");
+        }
+        let frame = "AA 55 53 02 00 00 00 00 00 DE".parse().unwrap();
+        let sent = LineEventKind::SentByHand { frame, mode: None };
+        assert_eq!(passed(sent), "set ID 0x02 on all motors");
+        let wrong = junk("AA 55 53 02 00 00 00 00 00 11");
+        assert!(wrong.ends_with(": dropped"), "{wrong}");
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl Bus {
             // One value has another meaning in each loop.
             if let (Some(asked), Some(reported)) = (seen, known.reported)
                 && asked != reported
-                && !matches!(raw.effect, RawEffect::Switch(_))
+                && !matches!(raw.effect, RawEffect::Switch(_) | RawEffect::MayBeSwitch(_))
             {
                 let id = motor.id;
                 return Err(Refusal::OtherLoop {
@@ -197,7 +197,9 @@ impl Bus {
         }
         match (effect, addressee) {
             (RawEffect::Probe | RawEffect::SetId, _) => {}
-            (RawEffect::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(now, mode),
+            (RawEffect::Switch(mode) | RawEffect::MayBeSwitch(mode), Some(id)) => {
+                self.watch(now, id).switch_sent(now, mode);
+            }
             (RawEffect::Drive { .. } | RawEffect::Unknown, Some(id)) => {
                 let motor = self.watch(now, id);
                 motor.may_turn = true;
@@ -207,7 +209,7 @@ impl Bus {
                 for motor in &mut self.motors {
                     motor.may_turn = true;
                     motor.moved_raw = true;
-                    if let RawEffect::Switch(mode) = effect {
+                    if let RawEffect::Switch(mode) | RawEffect::MayBeSwitch(mode) = effect {
                         motor.switch_sent(now, mode);
                     }
                 }
@@ -249,7 +251,7 @@ impl Bus {
             }
             let reported = motor.last_mode();
             let asked = match raw.effect {
-                RawEffect::Switch(_) => reported,
+                RawEffect::Switch(_) | RawEffect::MayBeSwitch(_) => reported,
                 _ => raw.began_in.or(reported),
             };
             let withdrawn = check_driven(
@@ -314,9 +316,11 @@ fn check_raw(
     let value = match effect {
         RawEffect::Drive { value, .. } => value,
         RawEffect::Switch(Mode::Position) => return check_position_switch(id, speed),
-        RawEffect::Probe | RawEffect::Switch(_) | RawEffect::SetId | RawEffect::Unknown => {
-            return Ok(());
-        }
+        RawEffect::Probe
+        | RawEffect::Switch(_)
+        | RawEffect::MayBeSwitch(_)
+        | RawEffect::SetId
+        | RawEffect::Unknown => return Ok(()),
     };
     if let Some(exceeded) = limits.too_hot(known.temperature) {
         return Err(Refusal::TooHot { id, exceeded });

@@ -35,6 +35,9 @@ pub(crate) enum RawEffect {
     },
     /// A mode switch.
     Switch(Mode),
+    /// A mode switch by its last byte, and one of another model by byte 2: `03 A0 09 .. 03` also disables a DDSM400.
+    /// What a motor makes of it is unknown.
+    MayBeSwitch(Mode),
     /// A set-ID frame: every motor on the bus takes the ID.
     SetId,
     /// Unknown.
@@ -55,11 +58,15 @@ impl RawEffect {
                 Self::Drive { value, rpm }
             }
             (_, 0xA0, _) => {
-                let byte = match model.spec().frames {
-                    FrameSet::Combined => last,
-                    FrameSet::Separate { .. } => high,
+                let (byte, other) = match model.spec().frames {
+                    FrameSet::Combined => (last, high),
+                    FrameSet::Separate { .. } => (high, 0),
                 };
-                model.mode_of(byte).map_or(Self::Unknown, Self::Switch)
+                match model.mode_of(byte) {
+                    Some(mode) if other == 0 => Self::Switch(mode),
+                    Some(mode) => Self::MayBeSwitch(mode),
+                    None => Self::Unknown,
+                }
             }
             _ => Self::Unknown,
         }
@@ -245,6 +252,11 @@ mod tests {
                 "02 A0 00 00 00 00 00 00 01 03",
                 Some(2),
                 RawEffect::Switch(Mode::Position),
+            ),
+            (
+                "03 A0 09 00 00 00 00 00 00 03",
+                Some(3),
+                RawEffect::MayBeSwitch(Mode::Position),
             ),
             ("02 A0 00 00 00 00 00 00 00 09", Some(2), RawEffect::Unknown),
             ("07 99 00 00 00 00 00 00 00 00", Some(7), RawEffect::Unknown),
