@@ -57,8 +57,9 @@ fn change_id(IdChange { from, to, frames }: IdChange) -> Question {
         words: tr!(
             "Motor {from} becomes {to} ({number}). The ID is stored in flash and survives \
              power-off.\nThe motor accepts one new ID per power-up: power-cycle it before you \
-             change the ID again.\nOnly one motor may be connected. The scan found one; motors \
-             without power now keep their ID.\n{count} frames are sent in a row.",
+             change the ID again.\nOnly one motor may be connected: check by eye. A scan cannot \
+             tell two motors whose replies are identical from one. Motors without power now keep \
+             their ID.\n{count} frames are sent in a row.",
             from,
             to,
             number = to.get(),
@@ -132,6 +133,7 @@ mod tests {
             "flash",
             "power-off",
             "Only one motor may be connected",
+            "cannot tell two motors whose replies are identical from one",
             "10 frames",
         ] {
             assert!(asked.words.contains(words), "{}", asked.words);
