@@ -4,6 +4,15 @@ let standing = Promise.resolve(none);
 
 const makeOf = (port) => Object.values(port.getInfo()).join(":");
 
+// The page learns by this lock that its worker has ended, however it ended: see rescue.rs. Held from the first port on.
+let alive;
+const living = () => new Promise((held) => {
+  const name = `worker ${Math.round(performance.timeOrigin)}`;
+  const kept = () => new Promise(held);
+  navigator.locks?.request(name, { mode: "shared" }, kept).catch(held);
+  if (!navigator.locks) held();
+});
+
 const lock = (name) => new Promise((give, fail) => {
   const kept = (lock) => (lock ? new Promise(give) : give(null));
   navigator.locks.request(name, { ifAvailable: true }, kept).catch(fail);
@@ -97,6 +106,7 @@ async function claim(held, place) {
   if (make !== undefined && make === held.make) return held;
   held.release();
   if (make === undefined) return none;
+  await (alive ??= living());
   let taken = { ...none, others: 0 };
   if (make && navigator.locks) {
     const adapters = ports.filter((port) => makeOf(port) === make).length;

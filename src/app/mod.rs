@@ -18,6 +18,7 @@ pub(crate) mod questions;
 pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
 pub(crate) mod replay;
+mod rescue;
 pub(crate) mod routing;
 pub(crate) mod sections;
 pub(crate) mod tab_bar;

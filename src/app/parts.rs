@@ -16,7 +16,7 @@ use crate::{
         later_panel::{Load, later_panel},
         mount::{Hosts, Mounted},
         question_dialog::QuestionDialog,
-        replay,
+        replay, rescue,
         tab_bar::TabBar,
     },
     features::{
@@ -48,6 +48,7 @@ use crate::{
             panel::WheelSetupSteps,
         },
     },
+    model::later_notices,
     ui::drawer::Drawer,
 };
 
@@ -244,6 +245,8 @@ fn settings_panel(features: Features) -> impl IntoView {
 
 /// The notices, with the saved session and the tour among them.
 fn notices(features: Features) -> impl IntoView {
+    rescue::be_ready(features);
+    later_notices::load();
     let shown = move || features.tour.with(|tour| tour.shown);
     let is_alone = move || is_hidden(features.saved_session) && shown() == Shown::No;
     focus::keep(features.page);

@@ -238,17 +238,20 @@ impl Features {
             // It has sent no epoch, so times are on the page's clock.
             self.page.set_epoch(page_origin_ms());
         }
-        let mut driven = false;
+        let mut lost = Session::default();
         let lost_at = self.page.latest.with_value(|session| session.now);
         self.page
             .history
             .update_value(|history| history.end(lost_at));
         self.page.latest.update_value(|session| {
-            driven = session.active_motors().next().is_some();
-            *session = Session {
-                now: session.now,
-                ..Session::default()
-            };
+            let now = session.now;
+            lost = std::mem::replace(
+                session,
+                Session {
+                    now,
+                    ..Session::default()
+                },
+            );
         });
         self.page.worker.state.set(WorkerState::Dead);
         self.readings.forget();
@@ -259,7 +262,13 @@ impl Features {
             // The end of the stop will not be reported.
             board.withdraw_all(|topic| matches!(topic, Topic::Setpoint(_)));
         });
+        let driven = lost.active_motors().next().is_some();
         self.page.notify(&|| notice_texts::of_dead_worker(driven));
         self.page.show();
+        self.page.worker.rescue.with_value(|rescue| {
+            if let Some(rescue) = rescue {
+                rescue(&lost);
+            }
+        });
     }
 }

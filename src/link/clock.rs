@@ -47,6 +47,11 @@ impl Clock {
         }
     }
 
+    /// The zero of the worker's clock, on the clock on which the page's is this.
+    pub(crate) fn worker_origin_ms(self, page_origin_ms: f64) -> f64 {
+        page_origin_ms + self.offset_ms
+    }
+
     /// The clock of a recording, at this place of it, at this time of the page. `wall_ms` is its origin after that of
     /// the page.
     pub(crate) fn of_recording(wall_ms: f64, place: Instant, page_ms: f64, speed: f64) -> Self {

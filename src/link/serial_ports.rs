@@ -22,6 +22,8 @@ pub(crate) enum PickTrouble {
     Dismissed { filtered: bool },
     /// The browser forbids serial ports to this page.
     Forbidden,
+    /// The page is within another one, which does not let it have serial ports.
+    Framed,
     /// The picked port is not among the permitted ones: it was unplugged meanwhile.
     Vanished,
     /// Anything else.

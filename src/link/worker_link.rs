@@ -24,8 +24,9 @@ pub(crate) enum WorkerState {
 }
 
 /// A worker with an open port pings four times a second. After this number of checks without a ping, a second apart,
-/// it counts as failed: a machine that stalls that long must not drive motors.
-const SILENT_LOOKS_MAX: u32 = 5;
+/// it counts as failed: a machine that stalls that long must not drive motors. A worker that has ended is noticed at once
+/// (`rescue`); this is for one that runs for ever.
+const SILENT_LOOKS_MAX: u32 = 3;
 
 /// The page's end of the link to its worker.
 pub(crate) struct WorkerLink {

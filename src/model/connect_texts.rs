@@ -167,6 +167,14 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
             )],
         )
         .explained_at(HelpTopic::Ports),
+        PickTrouble::Framed => port(
+            Tone::Error,
+            tr!("The browser blocks serial ports for this page"),
+            &[tr!(
+                "This page is a frame in another one that lacks allow=\"serial\". Open it in a tab of its own."
+            )],
+        )
+        .explained_at(HelpTopic::Ports),
         PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
         PickTrouble::Unknown => NoticeText {
             remedy: Some(Remedy::ShowAllPorts),
@@ -206,6 +214,7 @@ mod tests {
             PickTrouble::Dismissed { filtered: true },
             PickTrouble::Dismissed { filtered: false },
             PickTrouble::Forbidden,
+            PickTrouble::Framed,
             PickTrouble::Vanished,
             PickTrouble::Unknown,
         ] {

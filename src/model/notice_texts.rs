@@ -2,7 +2,7 @@
 
 use motorlink_i18n::{Language, tr};
 use motorlink_messages::{
-    LineError, Notice,
+    Notice,
     bus::{
         CommandKind, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason,
     },
@@ -12,6 +12,7 @@ use motorlink_messages::{
 use crate::model::{
     affected,
     help_topic::HelpTopic,
+    later_notices,
     notice_board::{NoticeText, Remedy, Tone, Topic},
     scan_texts::{self, wiring},
     snapshot::Session,
@@ -83,16 +84,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             tr!("Adapter reconnected"),
             &[tr!("No motor starts until you press Start.")],
         ),
-        Notice::NotRemembered => NoticeText::new(
-            Topic::Memory,
-            Tone::Warning,
-            tr!("This browser does not keep what is driven"),
-            &[tr!(
-                "If the page or the browser crashes, the next page does not know which motors to stop. Keep the power \
-                 switch in reach."
-            )],
-        ),
-        Notice::LineError { error, count } => of_line_error(*error, *count),
+        Notice::NotRemembered | Notice::LineError { .. } => later_notices::if_loaded(notice)?,
         // Other parts of the page show these.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }
@@ -276,29 +268,6 @@ pub(crate) fn of_ended_drive(
 fn named(ids: &[MotorId]) -> String {
     let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
     ids.join(", ")
-}
-
-fn of_line_error(error: LineError, count: u32) -> NoticeText {
-    let title = match error {
-        LineError::Break => tr!("Break on the bus: {count} since connecting", count),
-        LineError::Framing => tr!("Framing errors: {count} since connecting", count),
-        LineError::Parity => tr!("Parity errors: {count} since connecting", count),
-        LineError::Overrun => tr!("Received bytes lost: {count} times since connecting", count),
-        LineError::Other => tr!(
-            "Corrupted bytes on the bus: {count} since connecting",
-            count
-        ),
-    };
-    let advice = match error {
-        LineError::Overrun => tr!(
-            "The computer was too busy for the adapter. Close other programs and tabs, or lower the command rate."
-        ),
-        _ => tr!(
-            "Check A and B for a loose wire. If the bus is longer than 1 m, add 120 Ω across A and B."
-        ),
-    };
-    NoticeText::new(Topic::Line, Tone::Warning, title, &[advice])
-        .explained_at(HelpTopic::DamagedBytes)
 }
 
 fn of_stop(report: &StopReport) -> Option<NoticeText> {

@@ -133,7 +133,11 @@ pub(crate) struct Worker {
     pub(crate) connect_early: StoredValue<Option<ToWorker>>,
     /// When a wheel was started last, on the page's clock.
     pub(crate) started_ms: StoredValue<f64>,
+    /// Stops what a failed worker has left driven, once its part is loaded. It gets the last state.
+    pub(crate) rescue: StoredValue<Option<Rescue>, LocalStorage>,
 }
+
+type Rescue = Box<dyn Fn(&Session)>;
 
 /// Names and sides of the motors, and which of them drive together.
 #[derive(Clone, Copy)]
@@ -225,6 +229,7 @@ impl Page {
                 stopped_early: StoredValue::new(false),
                 connect_early: StoredValue::new(None),
                 started_ms: StoredValue::new(f64::NEG_INFINITY),
+                rescue: StoredValue::new_local(None),
             },
             recorder: Recorder::new(),
             latest: StoredValue::new(Session::default()),

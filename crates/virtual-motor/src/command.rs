@@ -8,7 +8,7 @@ use motorlink_simulator::{VirtualMotor, World};
 use crate::arguments::{celsius, load_nm};
 
 const COMMANDS: &str = "block ID on|off, load ID N.M, temperature ID C, power ID on|off, \
-                        mute ID on|off, state ID, stall MS";
+                        mute ID on|off, state ID, stall MS, unplug, plug";
 
 /// Longest stall taken: an adapter that stalls for a minute has been pulled by then.
 const STALL_MS_MAX: u64 = 60_000;
@@ -16,10 +16,21 @@ const STALL_MS_MAX: u64 = 60_000;
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Nothing passes between terminal and wire for so long.
-    Stall(Duration),
+    /// Something is done to the adapter.
+    Adapter(OfAdapter),
     /// Something is done to a motor, or it is looked at.
     Motor(MotorId, Action),
+}
+
+/// What is done to the adapter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OfAdapter {
+    /// Nothing passes between terminal and wire for so long.
+    Stall(Duration),
+    /// It is pulled out. Its motors go on.
+    Unplug,
+    /// It is plugged again, as another terminal at the same link.
+    Plug,
 }
 
 /// What is done to a motor.
@@ -33,13 +44,20 @@ pub(crate) enum Action {
     State,
 }
 
-/// Obeys a line and gives the line to answer: `ok ..` or `error: ..`. `stall` is told how long the
-/// adapter is to stall.
-pub(crate) fn obey(line: &str, world: &mut World, stall: impl FnOnce(Duration)) -> String {
+/// Obeys a line and gives the line to answer: `ok ..` or `error: ..`. `of_adapter` does what concerns the adapter.
+pub(crate) fn obey(
+    line: &str,
+    world: &mut World,
+    of_adapter: impl FnOnce(OfAdapter) -> Result<(), String>,
+) -> String {
     let said = parse(line).and_then(|command| match command {
-        Command::Stall(time) => {
-            stall(time);
-            Ok(format!("stall {}", time.as_millis()))
+        Command::Adapter(asked) => {
+            of_adapter(asked)?;
+            Ok(match asked {
+                OfAdapter::Stall(time) => format!("stall {}", time.as_millis()),
+                OfAdapter::Unplug => "unplug".to_owned(),
+                OfAdapter::Plug => "plug".to_owned(),
+            })
         }
         Command::Motor(id, action) => {
             let motor = world.motor_mut(id);
@@ -110,11 +128,16 @@ fn parse(line: &str) -> Result<Command, String> {
     if words.next().is_some() {
         return Err(format!("too many words; known are {COMMANDS}"));
     }
+    match (verb, id) {
+        (Some("unplug"), None) => return Ok(Command::Adapter(OfAdapter::Unplug)),
+        (Some("plug"), None) => return Ok(Command::Adapter(OfAdapter::Plug)),
+        _ => {}
+    }
     if let (Some("stall"), None) = (verb, value) {
         let millis = id.and_then(|millis| millis.parse().ok());
         return millis
             .filter(|millis| (1..=STALL_MS_MAX).contains(millis))
-            .map(|millis| Command::Stall(Duration::from_millis(millis)))
+            .map(|millis| Command::Adapter(OfAdapter::Stall(Duration::from_millis(millis))))
             .ok_or_else(|| format!("expected 1 to {STALL_MS_MAX} ms"));
     }
     let switch = || match value {
@@ -145,15 +168,18 @@ mod tests {
     use super::*;
 
     fn obey(line: &str, world: &mut World) -> String {
-        super::obey(line, world, |_| {})
+        super::obey(line, world, |_| Ok(()))
     }
 
     #[test]
     fn a_stall_is_told_how_long_it_is() {
         let (mut world, mut stall) = (World::new(WorldConfig::default()), None);
-        let answer = super::obey("stall 1000", &mut world, |time| stall = Some(time));
+        let answer = super::obey("stall 1000", &mut world, |asked| {
+            stall = Some(asked);
+            Ok(())
+        });
         assert_eq!(answer, "ok stall 1000");
-        assert_eq!(stall, Some(Duration::from_secs(1)));
+        assert_eq!(stall, Some(OfAdapter::Stall(Duration::from_secs(1))));
     }
 
     #[test]
@@ -193,6 +219,8 @@ mod tests {
             "stall 0",
             "stall 60001",
             "stall 1 on",
+            "unplug 1",
+            "plug 1",
         ] {
             let answer = obey(line, &mut world);
             assert!(answer.starts_with("error: "), "{line:?} gave {answer:?}");

@@ -11,9 +11,10 @@ mod lines;
 mod link;
 mod pty;
 mod serve;
+mod terminal;
 mod wire_log;
 
-use std::{io::Write as _, process::ExitCode};
+use std::{io::Write as _, path::Path, process::ExitCode};
 
 use arguments::{Arguments, Asked};
 use failure::Failure;
@@ -38,15 +39,13 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<(), Failure> {
     let signals = serve::Signals::register()?;
-    let pty = pty::Pty::open(arguments.world.baud)?;
     let log = arguments.log.as_deref().map(wire_log::WireLog::create);
     let log = log.transpose()?;
     // Last, so that nothing that may fail leaves a link behind.
-    let _link = match arguments.link.as_deref() {
-        Some(path) => Some(link::Link::create(path, pty.slave_path())?),
-        None => None,
-    };
-    writeln!(std::io::stdout(), "ready {}", pty.slave_path().display())
+    let terminal = terminal::Terminal::open(arguments.world.baud, arguments.link.as_deref())?;
+    let path = terminal.pty().map(pty::Pty::slave_path);
+    let path = path.unwrap_or(Path::new(""));
+    writeln!(std::io::stdout(), "ready {}", path.display())
         .map_err(Failure::system("cannot write to standard output"))?;
-    serve::Server::new(arguments.world, arguments.json, pty, log, signals).run()
+    serve::Server::new(arguments.world, arguments.json, terminal, log, signals).run()
 }

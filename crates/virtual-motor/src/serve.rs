@@ -16,7 +16,14 @@ use signal_hook::{
     low_level::pipe,
 };
 
-use crate::{clock, command, failure::Failure, lines::Lines, pty::Pty, wire_log::WireLog};
+use crate::{
+    clock,
+    command::{self, OfAdapter},
+    failure::Failure,
+    lines::Lines,
+    terminal::Terminal,
+    wire_log::WireLog,
+};
 
 /// Linux lets a timer be 50 us late by default. Replies are due to a tenth of a millisecond.
 const TIMER_SLACK_NS: NonZeroU64 = NonZeroU64::MIN;
@@ -70,7 +77,7 @@ pub(crate) struct Server {
     world: World,
     /// Whether a driver board answers in place of the motors.
     json: bool,
-    pty: Pty,
+    terminal: Terminal,
     log: Option<WireLog>,
     signals: Signals,
     commands: Option<Lines>,
@@ -83,14 +90,14 @@ impl Server {
     pub(crate) fn new(
         config: WorldConfig,
         json: bool,
-        pty: Pty,
+        terminal: Terminal,
         log: Option<WireLog>,
         signals: Signals,
     ) -> Self {
         Self {
             world: World::new(config),
             json,
-            pty,
+            terminal,
             log,
             signals,
             commands: Some(Lines::default()),
@@ -129,19 +136,26 @@ impl Server {
             }
             self.stalled_until = None;
         }
+        let Some(pty) = self.terminal.pty() else {
+            // The adapter is pulled out: what the motors say is lost.
+            let now = clock::now();
+            while self.world.receive(now).is_some() {}
+            self.world.advance(now);
+            return self.log_traffic();
+        };
         // The clock is read after the bytes, so that they are never older than their time.
-        let written = self.pty.read(buffer)?;
+        let written = pty.read(buffer)?;
         let now = clock::now();
         if !written.is_empty() {
-            self.world.set_baud(now, self.pty.baud()?);
+            self.world.set_baud(now, pty.baud()?);
         }
         if self.json && !written.is_empty() {
-            self.pty.write(JSON_LINE)?;
+            pty.write(JSON_LINE)?;
             return Ok(());
         }
         self.world.transmit(now, written);
         while let Some(chunk) = self.world.receive(now) {
-            self.pty.write(&chunk.bytes)?;
+            pty.write(&chunk.bytes)?;
         }
         self.log_traffic()
     }
@@ -167,20 +181,21 @@ impl Server {
             Some(_) => PollFlags::empty(),
             None => PollFlags::IN,
         };
-        let mut watched = vec![
-            PollFd::new(self.pty.master(), terminal),
-            PollFd::new(&self.signals.0, PollFlags::IN),
-        ];
+        let mut watched = vec![PollFd::new(&self.signals.0, PollFlags::IN)];
         if self.commands.is_some() {
             watched.push(PollFd::new(&input, PollFlags::IN));
+        }
+        let hears = watched.len() > 1;
+        if let Some(pty) = self.terminal.pty() {
+            watched.push(PollFd::new(pty.master(), terminal));
         }
         match poll(&mut watched, timeout.as_ref()) {
             Ok(_) => {
                 let mut spoke = watched.iter().map(|fd| !fd.revents().is_empty());
-                let (_terminal, signal, line) = (spoke.next(), spoke.next(), spoke.next());
+                let (signal, line) = (spoke.next(), spoke.next());
                 Ok(Woken {
                     told_to_end: signal.unwrap_or(false),
-                    line_waits: line.unwrap_or(false),
+                    line_waits: hears && line.unwrap_or(false),
                 })
             }
             Err(Errno::INTR) => Ok(Woken::default()),
@@ -204,8 +219,15 @@ impl Server {
         for line in lines.unwrap_or_default() {
             self.world.advance(clock::now());
             // The reader has closed the output.
-            let stall = |time| self.stalled_until = Some(clock::now() + time);
-            let _ = writeln!(out, "{}", command::obey(&line, &mut self.world, stall));
+            let of_adapter = |asked| match asked {
+                OfAdapter::Stall(time) => {
+                    self.stalled_until = Some(clock::now() + time);
+                    Ok(())
+                }
+                OfAdapter::Unplug => self.terminal.unplug(),
+                OfAdapter::Plug => self.terminal.plug(),
+            };
+            let _ = writeln!(out, "{}", command::obey(&line, &mut self.world, of_adapter));
         }
         let _ = out.flush();
     }

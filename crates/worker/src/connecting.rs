@@ -15,6 +15,7 @@ use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
+    asks_again::AsksAgain,
     claim::{claim, release_claim},
     line::Line,
     line_errors::LineErrors,
@@ -137,6 +138,7 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
             stage: Stage::Settled,
             reader: None,
             id_query: None,
+            asks_again: AsksAgain::default(),
             memory: Memory::default(),
             line_errors: LineErrors::default(),
         };
@@ -390,6 +392,7 @@ impl Attempt<'_> {
             stage: Stage::OnTrial { lost: self.lost },
             reader: None,
             id_query: None,
+            asks_again: AsksAgain::default(),
             memory,
             line_errors: LineErrors::default(),
         };

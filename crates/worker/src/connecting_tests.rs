@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use motorlink_bus::{Consent, StopReason};
+use motorlink_bus::{Consent, IdQueryOutcome, StopReason};
 use motorlink_messages::{Connection, LineError, UsbId};
 use motorlink_protocol::{Setpoint, SpeedTarget};
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -33,9 +33,9 @@ async fn driving(bench: &Bench, port: &MockPort) {
     bench.until("+100 rpm", |_| port.speed(1) > 90.0).await;
 }
 
-/// Whether this frame brakes motor 1.
-fn brakes(frame: &[u8]) -> bool {
-    matches!(frame, [1, 0x64, 0, 0, _, _, _, 0xFF, ..])
+/// Whether this frame brakes motor 1, or switches it to the velocity loop in which it brakes.
+fn stops(frame: &[u8]) -> bool {
+    matches!(frame, [1, 0x64, 0, 0, _, _, _, 0xFF, ..] | [1, 0xA0, ..])
 }
 
 fn stops_left_driven(bench: &Bench) -> Vec<Vec<(MotorId, bool)>> {
@@ -65,7 +65,7 @@ async fn what_was_driven_when_the_adapter_was_pulled_out_is_stopped_first_when_i
     bench
         .until("the stop", |bench| !stops_left_driven(bench).is_empty())
         .await;
-    assert!(brakes(&back.frames()[0]), "{:02X?}", back.frames());
+    assert!(stops(&back.frames()[0]), "{:02X?}", back.frames());
     assert_eq!(stops_left_driven(&bench), [[(ONE, true)]]);
     assert!(back.speed(1).abs() < 1.0);
     bench.until_connected().await;
@@ -104,7 +104,7 @@ async fn the_one_that_turns_is_found(usb: Option<UsbId>) {
     assert!(!twin.frames().is_empty());
     assert!(!twin.frames().iter().any(drives), "{:02X?}", twin.frames());
     let first = turning.frames().into_iter().find(drives).unwrap();
-    assert!(brakes(&first), "{first:02X?}");
+    assert!(stops(&first), "{first:02X?}");
 }
 
 #[wasm_bindgen_test]
@@ -132,7 +132,7 @@ async fn an_adapter_that_was_there_all_along_is_not_taken_for_the_one_that_was_p
     bench
         .until("the stop", |bench| !stops_left_driven(bench).is_empty())
         .await;
-    assert!(brakes(&back.frames()[0]), "{:02X?}", back.frames());
+    assert!(stops(&back.frames()[0]), "{:02X?}", back.frames());
     assert_eq!(twin.frames().len(), asked);
 }
 
@@ -174,7 +174,7 @@ async fn what_is_driven_is_on_file_before_its_first_frame_and_the_next_worker_st
     bench
         .until("the stop", |bench| !stops_left_driven(bench).is_empty())
         .await;
-    assert!(brakes(&again.frames()[0]), "{:02X?}", again.frames());
+    assert!(stops(&again.frames()[0]), "{:02X?}", again.frames());
     assert_eq!(stops_left_driven(&bench), [[(ONE, true)]]);
     bench.until_connected().await;
 
@@ -188,7 +188,7 @@ async fn what_is_driven_is_on_file_before_its_first_frame_and_the_next_worker_st
     bench.until_connected().await;
     bench.pause(Duration::from_millis(300)).await;
     assert!(stops_left_driven(&bench).is_empty());
-    assert!(!last.frames().iter().any(|frame| brakes(frame)));
+    assert!(!last.frames().iter().any(|frame| stops(frame)));
     release_claim();
     without_files();
 }
@@ -313,4 +313,25 @@ async fn a_port_whose_stream_is_renewed_after_an_overrun_stays_open_and_the_caus
         assert!(bench.notices().contains(&told), "{:?}", bench.notices());
     }
     assert_eq!(port.opened(), Some(1.0));
+}
+
+#[wasm_bindgen_test]
+async fn a_motor_that_gets_power_after_connect_is_found_and_nothing_is_said_twice() {
+    let bench = Bench::new();
+    let port = bench.port(CH340, &[7]);
+    let seven = MotorId::new(7).unwrap();
+    let power = |on| port.world.borrow_mut().motor_mut(seven).unwrap().power(on);
+    power(false);
+    bench.plug(&port);
+    bench.connect();
+    bench.until_connected().await;
+    bench.pause(Duration::from_millis(2_500)).await;
+    power(true);
+    let found = Notice::IdQueryEnded(IdQueryOutcome::One(seven));
+    bench
+        .until("motor 7", |bench| bench.notices().contains(&found))
+        .await;
+    let silent = Notice::IdQueryEnded(IdQueryOutcome::NoReply);
+    let told = bench.notices().into_iter();
+    assert_eq!(told.filter(|notice| *notice == silent).count(), 1);
 }

@@ -14,6 +14,7 @@
 //! | `claim` | claims an adapter for this tab |
 //! | `memory` | remembers what is driven beyond the end of the worker |
 //! | `mock_serial` | serial ports for tests, with virtual motors |
+//! | `asks_again` | repeats the ID query while nothing answers |
 //! | `left` | motors that were left driven on adapters that are not open |
 //! | `line_errors` | counts errors of the line |
 //! | `session` | the state of the port |
@@ -33,6 +34,7 @@
 //! | `blob_parts` | files that are written part by part |
 
 mod alarm;
+mod asks_again;
 mod blob_parts;
 mod claim;
 mod connecting;

@@ -167,6 +167,7 @@ impl PortOwner {
             let settings = self.settings;
             // Before the bus, which then sends the setpoints of this moment.
             self.runs.tick(now, &mut open.bus, settings);
+            let asks_again = open.asks_again.turn(now, &mut open.bus);
             let at = loop {
                 while let Some(bytes) = open.line.take_received(now) {
                     open.bus.receive(now, &bytes);
@@ -188,6 +189,9 @@ impl PortOwner {
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
                     // Events of a port on trial too: the log shows all traffic.
                     Output::Event(Event::Line(traffic)) => self.traffic.push(traffic),
+                    // The page knows that nothing answers.
+                    Output::Event(Event::IdQueryEnded(outcome))
+                        if !open.asks_again.ended(now, outcome) => {}
                     Output::Event(event) => {
                         if let Event::StopEnded(_) = event
                             && let Stage::Closing(then) = &mut open.stage
@@ -201,7 +205,7 @@ impl PortOwner {
             };
             // The bus stops all motors by itself after a silence of the page or a sleep of the computer.
             self.halted |= open.bus.is_halted();
-            let others = [open.line.next_event(), self.runs.wake()];
+            let others = [open.line.next_event(), self.runs.wake(), asks_again];
             wake = others.into_iter().flatten().chain([at]).min();
         }
         // The recorder gets all traffic of a port before the page learns that the port is closed.

@@ -5,7 +5,9 @@ use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker, UsbId};
 use motorlink_protocol::{Instant, MotorId};
 use web_sys::ReadableStreamDefaultReader;
 
-use crate::{left::Left, line::Line, line_errors::LineErrors, memory::Memory, serial};
+use crate::{
+    asks_again::AsksAgain, left::Left, line::Line, line_errors::LineErrors, memory::Memory, serial,
+};
 
 /// The state of the port.
 pub(crate) enum Session {
@@ -53,6 +55,8 @@ pub(crate) struct OpenSession {
     pub(crate) reader: Option<ReadableStreamDefaultReader>,
     /// The outcome of the ID query during the trial, for the page once the port is settled.
     pub(crate) id_query: Option<IdQueryOutcome>,
+    /// When the ID query is repeated, while no motor has answered.
+    pub(crate) asks_again: AsksAgain,
     /// Remembers what is driven.
     pub(crate) memory: Memory,
     pub(crate) line_errors: LineErrors,

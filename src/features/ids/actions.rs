@@ -4,7 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Notice,
     bus::{Command, IdChangeOutcome},
-    protocol::AssignableId,
+    protocol::{AssignableId, MotorId},
 };
 
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
         guards::scan_blocked_by,
         notice_board::Topic,
         page::{Change, Dialog, Listener, Page},
-        snapshot::Session,
+        snapshot::{Reading, Session},
         tab::Tab,
         tool_entry::{NO_NEW_ID, assignable},
     },
@@ -49,6 +49,22 @@ impl Ids {
             Change::Motor | Change::Model => {}
         };
         self.page.listen(Listener::Ids, Box::new(act));
+    }
+
+    /// Selects the only motor that a scan has found, if the selected one does not answer.
+    fn select_if_alone(self, found: MotorId) {
+        let page = self.page;
+        let selected = page.selected.get_untracked();
+        let answers = |session: &Session| {
+            session
+                .mode(selected)
+                .as_ref()
+                .is_some_and(Reading::is_fresh)
+        };
+        let is_answering = page.latest.with_value(answers);
+        if found != selected && !is_answering && !page.is_anything_driven() {
+            page.select(found);
+        }
     }
 
     /// Another tab is opened. Leaving the ID manager cancels the ID change.
@@ -137,6 +153,11 @@ impl Ids {
 
     /// Handles notices about scans and ID changes.
     fn notice(self, notice: &Notice) {
+        if let Notice::ScanEnded(report) = notice
+            && let [only] = report.found.as_slice()
+        {
+            self.select_if_alone(*only);
+        }
         self.change_ids(|ids| ids.on_notice(notice));
         if let Notice::IdChangeEnded {
             to,

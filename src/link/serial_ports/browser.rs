@@ -77,7 +77,13 @@ fn trouble(error: &JsValue, filtered: bool) -> PickTrouble {
     let name = error.dyn_ref::<DomException>().map(DomException::name);
     match name.as_deref() {
         Some("NotFoundError" | "AbortError") => PickTrouble::Dismissed { filtered },
+        Some("SecurityError" | "NotAllowedError") if is_framed() => PickTrouble::Framed,
         Some("SecurityError" | "NotAllowedError") => PickTrouble::Forbidden,
         _ => PickTrouble::Unknown,
     }
+}
+
+fn is_framed() -> bool {
+    let window = web_sys::window();
+    window.is_some_and(|window| window.parent().ok().flatten().as_ref() != Some(&window))
 }

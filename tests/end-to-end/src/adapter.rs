@@ -104,7 +104,9 @@ pub struct Adapter {
     /// Directory in which the browser looks for adapters.
     udev_dir: PathBuf,
     motors: Option<Motors>,
-    /// One log per plugging, oldest first.
+    /// Whether the browser sees it.
+    plugged: bool,
+    /// A log for each time that the motors got power, oldest first.
     logs: Vec<PathBuf>,
 }
 
@@ -118,37 +120,58 @@ impl Adapter {
             dir,
             udev_dir,
             motors: None,
+            plugged: false,
             logs: Vec::new(),
         }
     }
 
-    /// Plugs it: the motors get power, then the browser sees the adapter.
+    /// Plugs it: the motors get power if they have none, then the browser sees the adapter.
     ///
     /// # Errors
     ///
     /// When it is plugged already, or its program does not start.
     pub fn plug(&mut self) -> Result<()> {
-        ensure!(self.motors.is_none(), "{} is plugged already", self.name);
+        ensure!(!self.plugged, "{} is plugged already", self.name);
         let node = self.dir.join("node");
-        let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
-        self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
-        self.logs.push(log);
+        match &mut self.motors {
+            Some(motors) => _ = motors.send_command("plug")?,
+            None => {
+                let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
+                self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
+                self.logs.push(log);
+            }
+        }
         let hidden = self.udev_dir.join(format!(".{}", self.name));
         // The node is given by its own path, as by udev. The link only serves to find it.
         fs::write(&hidden, self.usb.properties(&fs::canonicalize(&node)?))?;
         fs::rename(hidden, self.udev_dir.join(&self.name))?;
+        self.plugged = true;
         Ok(())
     }
 
-    /// Unplugs it: its node disappears, then the browser is notified, as with a real one.
+    /// Unplugs it: its node disappears, then the browser is notified, as with a real one. The motors have power and do
+    /// what they were told last.
     ///
     /// # Errors
     ///
     /// When it is not plugged.
     pub fn unplug(&mut self) -> Result<()> {
-        self.motors = None;
+        if let Some(motors) = &mut self.motors {
+            motors.send_command("unplug")?;
+        }
+        self.plugged = false;
         fs::remove_file(self.udev_dir.join(&self.name))
             .with_context(|| format!("{} is not plugged", self.name))
+    }
+
+    /// Cuts the power of the motors, and unplugs it.
+    ///
+    /// # Errors
+    ///
+    /// When it is not plugged.
+    pub fn unplug_and_cut_power(&mut self) -> Result<()> {
+        self.motors = None;
+        self.unplug()
     }
 
     /// Opens it exclusively, as another program. A browser of [`crate::Bench::start_as_user`] cannot open it then.

@@ -165,6 +165,19 @@ impl Bench {
         })
     }
 
+    /// Kills the browser as a system without memory does, and starts it again with what it has kept.
+    ///
+    /// # Errors
+    ///
+    /// When it does not start.
+    pub fn kill_browser(&mut self) -> Result<()> {
+        self.chromium.kill()?;
+        let dir = self.dir.path();
+        let (profile, downloads) = (dir.join("profile"), downloads_dir(dir));
+        self.chromium = Chromium::start(&profile, &udev_dir(dir), &downloads, &self.origin)?;
+        Ok(())
+    }
+
     /// Stops the server: from now on the browser is offline.
     pub fn stop_serving(&self) {
         self.server.replace(None);

@@ -110,6 +110,13 @@ impl Chromium {
             .map(drop)
     }
 
+    /// Kills it at once: nothing of it can act any more.
+    pub fn kill(&mut self) -> Result<()> {
+        let Self { browser, blocking } = self;
+        blocking.wait("its end", async { browser.kill().await.unwrap_or(Ok(())) })?;
+        Ok(())
+    }
+
     /// Whether this tab is open.
     pub fn has_tab(&self, id: &TargetId) -> Result<bool> {
         let tabs = self

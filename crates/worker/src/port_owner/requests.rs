@@ -19,7 +19,9 @@ impl PortOwner {
             let never_replied: Vec<_> = open
                 .bus
                 .motors(now)
-                .filter(|motor| motor.last.is_none() && !open.line.is_made_with(motor.id))
+                .filter(|motor| {
+                    motor.last.is_none() && !motor.may_turn && !open.line.is_made_with(motor.id)
+                })
                 .map(|m| m.id)
                 .collect();
             let forget = never_replied.into_iter().map(Command::Forget);

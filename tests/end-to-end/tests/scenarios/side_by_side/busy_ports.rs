@@ -1,12 +1,12 @@
 //! Ports that are another's: a program's, another tab's, or nobody's any more.
 
-use std::time::Duration;
+use std::{thread, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_quiet_console, connect, number,
     rules::{
-        it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all,
-        the_motor_coasts, the_page_says,
+        it_drives_again_when_asked, nothing_but_stops_and_questions, the_log_has_it_all,
+        the_page_says,
     },
     wait_for_speed,
 };
@@ -46,14 +46,14 @@ fn a_line_whose_far_end_closes_while_driving_is_lost_and_comes_back() -> Result<
     let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
     the_page_says(page, "Adapter unplugged")?;
-    the_page_says(page, "coasts to a standstill")?;
     scenario.adapter.unplug()?;
     let back = now_us();
     scenario.adapter.plug()?;
     let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    nothing_moves_until_asked(&scenario, back)?;
+    thread::sleep(Duration::from_secs(1));
+    nothing_but_stops_and_questions(&scenario.since(back)?)?;
     the_log_has_it_all(&scenario, 1)?;
     it_drives_again_when_asked(&scenario.page)?;
     assert_quiet_console(&scenario.page);
@@ -104,7 +104,6 @@ fn the_second_tab_that_wants_the_port_says_so_and_gets_it_from_the_first() -> Re
     scenario.page.show()?;
     connect(&scenario.page)?;
     wait_for_speed(&scenario.page, 0..=0)?;
-    the_motor_coasts(&mut scenario)?;
     assert_quiet_console(&scenario.page);
     Ok(())
 }
@@ -128,7 +127,7 @@ fn two_tabs_drive_by_two_identical_adapters() -> Result<()> {
     let third = bench.open("/")?;
     fails(&third)?;
     the_page_says(&third, OTHER_TAB)?;
-    std::thread::sleep(Duration::from_millis(200));
+    thread::sleep(Duration::from_millis(200));
     for (adapter, id) in [(&first, 1), (&second, 2)] {
         let host = adapter.wire()?.since(pressed).from_host();
         assert!(!host.is_empty(), "nobody asks motor {id}");

@@ -13,6 +13,7 @@ mod harness;
 mod harness_measuring;
 mod keys;
 mod language;
+mod left_driven;
 mod limits;
 mod models;
 mod offline;

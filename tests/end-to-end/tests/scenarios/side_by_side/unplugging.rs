@@ -1,12 +1,12 @@
 //! The adapter pulled out and put back, whatever the page is at.
 
-use std::time::Duration;
+use std::{thread, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_quiet_console, number,
     rules::{
-        it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all, the_page_says,
-        the_recording_is_intact,
+        it_drives_again_when_asked, nothing_but_stops_and_questions, the_log_has_it_all,
+        the_page_says, the_recording_is_intact,
     },
     spin, wait_for_speed, wait_for_wire,
 };
@@ -29,7 +29,8 @@ fn survives_a_pull(scenario: &mut Scenario) -> Result<()> {
     let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    nothing_moves_until_asked(scenario, back_us)?;
+    thread::sleep(Duration::from_secs(1));
+    nothing_but_stops_and_questions(&scenario.since(back_us)?)?;
     let log = the_log_has_it_all(scenario, 1)?;
     let said = log.column("meaning")?.join("\n");
     for words in ["Adapter unplugged", "Adapter reconnected"] {
@@ -62,7 +63,7 @@ fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> 
     })?;
     page.click("button", "+0.5 A")?;
     wait_for_speed(page, 30..=250)?;
-    // The motor was without power meanwhile, and is in the velocity loop: a current would be a speed.
+    // The stop ends in the velocity loop: a current would be a speed.
     survives_a_pull(&mut scenario)?;
     scenario.page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("velocity")

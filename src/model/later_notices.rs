@@ -1,0 +1,66 @@
+//! The texts of notices that come only while a motor is driven or a line fails. They load with a later part.
+
+use std::cell::Cell;
+
+use motorlink_i18n::tr;
+use motorlink_messages::{LineError, Notice};
+
+use crate::model::{
+    help_topic::HelpTopic,
+    notice_board::{NoticeText, Tone, Topic},
+};
+
+type Texts = fn(&Notice) -> Option<NoticeText>;
+
+thread_local! {
+    static LOADED: Cell<Option<Texts>> = const { Cell::new(None) };
+}
+
+/// Called by the part that has the texts.
+pub(crate) fn load() {
+    LOADED.set(Some(of_notice));
+}
+
+/// The text of such a notice, once it is loaded.
+pub(crate) fn if_loaded(notice: &Notice) -> Option<NoticeText> {
+    LOADED.get()?(notice)
+}
+
+fn of_notice(notice: &Notice) -> Option<NoticeText> {
+    match notice {
+        Notice::NotRemembered => Some(NoticeText::new(
+            Topic::Memory,
+            Tone::Warning,
+            tr!("This browser does not keep what is driven"),
+            &[tr!(
+                "If the page or the browser crashes, the next page does not know which motors to stop. Keep the power \
+                 switch in reach."
+            )],
+        )),
+        Notice::LineError { error, count } => Some(of_line_error(*error, *count)),
+        _ => None,
+    }
+}
+
+fn of_line_error(error: LineError, count: u32) -> NoticeText {
+    let title = match error {
+        LineError::Break => tr!("Break on the bus: {count} since connecting", count),
+        LineError::Framing => tr!("Framing errors: {count} since connecting", count),
+        LineError::Parity => tr!("Parity errors: {count} since connecting", count),
+        LineError::Overrun => tr!("Received bytes lost: {count} times since connecting", count),
+        LineError::Other => tr!(
+            "Corrupted bytes on the bus: {count} since connecting",
+            count
+        ),
+    };
+    let advice = match error {
+        LineError::Overrun => tr!(
+            "The computer was too busy for the adapter. Close other programs and tabs, or lower the command rate."
+        ),
+        _ => tr!(
+            "Check A and B for a loose wire. If the bus is longer than 1 m, add 120 Ω across A and B."
+        ),
+    };
+    NoticeText::new(Topic::Line, Tone::Warning, title, &[advice])
+        .explained_at(HelpTopic::DamagedBytes)
+}

@@ -1,0 +1,153 @@
+//! Motors keep their last command when frames cease: what was driven is stopped first by whatever opens the port next.
+
+use std::{thread, time::Duration};
+
+use crate::fixture::{
+    Scenario, assert_quiet_console, connect,
+    rules::{it_drives_again_when_asked, nothing_moves_until_asked, the_page_says},
+    spin,
+};
+use anyhow::{Context, Result, ensure};
+use end_to_end::{Bench, Frame, Line, Page, now_us};
+
+/// From the moment when the port is back, or Connect is pressed, to the confirmed standstill.
+const STANDS_WITHIN_US: u64 = 1_500_000;
+/// From the death of the worker to the first stop frame.
+const STOPS_WITHIN_US: u64 = 1_000_000;
+
+/// Keeps the page's workers at hand, so that they can be ended behind its back.
+const KEEP_WORKERS: &str = "
+    window.kept = [];
+    window.Worker = class extends Worker {
+        constructor(...all) { super(...all); window.kept.push(this); }
+    };
+";
+
+/// The first frame since a moment is a stop, the wheel stands soon, and the page says so. Prints the times.
+fn is_stopped_first(scenario: &mut Scenario, what: &str, from_us: u64, says: &str) -> Result<u64> {
+    the_page_says(&scenario.page, says)?;
+    let said_us = now_us();
+    let wire = scenario.since(from_us)?.from_host();
+    let first = wire.frames.first().context("no frame")?;
+    let switches = first.bytes.starts_with(&[1, 0xA0]);
+    ensure!(
+        first.is_stop() || switches,
+        "the first frame is no stop:\n{wire}"
+    );
+    let drives = wire.drives();
+    ensure!(
+        drives.frames.iter().all(Frame::is_stop),
+        "driven by nobody's command:\n{drives}"
+    );
+    let last = drives.frames.last().context("no stop frame")?;
+    let after_ms = |us: u64| us.saturating_sub(from_us) / 1000;
+    println!(
+        "{what}: first stop frame after {} ms, standstill confirmed after {} ms, said within {} ms",
+        after_ms(first.at_us),
+        after_ms(last.at_us),
+        after_ms(said_us),
+    );
+    let state = scenario.adapter.act("state 1")?;
+    ensure!(
+        state.contains("rpm=0.0") || state.contains("rpm=-0.0"),
+        "{state}"
+    );
+    ensure!(last.at_us < from_us + STANDS_WITHIN_US, "too late: {wire}");
+    Ok(first.at_us - from_us)
+}
+
+/// The motor turns on as it was told last, though no frame comes.
+fn it_keeps_turning(scenario: &mut Scenario) -> Result<()> {
+    let state = scenario.adapter.act("state 1")?;
+    ensure!(state.contains("driven=true"), "{state}");
+    Ok(())
+}
+
+#[test]
+fn an_adapter_pulled_out_at_100_rpm_comes_back_and_the_wheel_is_stopped_first() -> Result<()> {
+    let mut scenario = Scenario::spinning()?;
+    scenario.adapter.unplug()?;
+    scenario
+        .page
+        .wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
+    it_keeps_turning(&mut scenario)?;
+    let back_us = now_us();
+    scenario.adapter.plug()?;
+    is_stopped_first(&mut scenario, "replug", back_us, "has been stopped")?;
+    scenario
+        .page
+        .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    it_drives_again_when_asked(&scenario.page)?;
+    assert_quiet_console(&scenario.page);
+    Ok(())
+}
+
+/// A new page that connects stops what the one before it has left driven.
+fn the_next_page_stops_it(
+    scenario: Scenario,
+    what: &str,
+    ends: impl FnOnce(&mut Bench, Page) -> Result<()>,
+) -> Result<Scenario> {
+    let Scenario {
+        mut bench,
+        adapter,
+        page,
+    } = scenario;
+    ends(&mut bench, page)?;
+    let page = bench.open("/")?;
+    let mut scenario = Scenario {
+        bench,
+        adapter,
+        page,
+    };
+    // The worker of a crashed page lives on while the browser notes the crash.
+    thread::sleep(Duration::from_secs(1));
+    it_keeps_turning(&mut scenario)?;
+    let pressed_us = now_us();
+    scenario.page.click("button", "Connect")?;
+    is_stopped_first(&mut scenario, what, pressed_us, "has been stopped")?;
+    scenario
+        .page
+        .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    spin(&scenario.page, "+100", 97..=103)?;
+    Ok(scenario)
+}
+
+#[test]
+fn what_a_crashed_page_a_discarded_one_or_a_killed_browser_drove_is_stopped_first() -> Result<()> {
+    let scenario = Scenario::spinning()?;
+    let scenario = the_next_page_stops_it(scenario, "crashed page", |_, page| {
+        page.crash();
+        Ok(())
+    })?;
+    let scenario =
+        the_next_page_stops_it(scenario, "killed tab", |bench, page| bench.discard(page))?;
+    let scenario = the_next_page_stops_it(scenario, "killed browser", |bench, page| {
+        drop(page);
+        bench.kill_browser()
+    })?;
+    assert_quiet_console(&scenario.page);
+    Ok(())
+}
+
+#[test]
+fn what_a_dead_worker_drove_is_stopped_by_another_one_within_a_second() -> Result<()> {
+    let mut scenario = Scenario::connected(Line::default())?;
+    scenario.page.before_load(KEEP_WORKERS)?;
+    scenario.page.reload()?;
+    connect(&scenario.page)?;
+    spin(&scenario.page, "+100", 97..=103)?;
+    let ended_us = now_us();
+    scenario.page.evaluate("window.kept[0].terminate()")?;
+    // What was written before it ended may come out after it.
+    let from_us = ended_us + 20_000;
+    let says = "Stopped, standstill confirmed: 0x01";
+    let took_us = is_stopped_first(&mut scenario, "dead worker", from_us, says)?;
+    ensure!(took_us < STOPS_WITHIN_US, "{took_us} us");
+    let reloading = now_us();
+    scenario.page.click("button", "Reload the page")?;
+    thread::sleep(Duration::from_secs(1));
+    connect(&scenario.page)?;
+    nothing_moves_until_asked(&scenario, reloading)?;
+    it_drives_again_when_asked(&scenario.page)
+}
