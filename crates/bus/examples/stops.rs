@@ -1,7 +1,6 @@
 //! Stops of 2 to 16 virtual motors from each loop, in virtual time: when each is braked, and when all are confirmed.
 //!
-//! `cargo run --release -p motorlink-bus --example stops` prints the rows of docs/performance.md. The adapter holds
-//! received bytes for 1 or 16 ms.
+//! `cargo xtask bench stops` writes its rows into docs/performance.md. The adapter holds received bytes for 1 or 16 ms.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

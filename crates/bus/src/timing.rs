@@ -144,7 +144,8 @@ pub const FIRST_BRAKE_MOTORS_MAX: u8 = 16;
 /// the stop, from any loop, if the line loses nothing and the motor takes the first mode switch.
 ///
 /// A motor costs a brake or a query, a switch and a brake, each as long as the line is occupied: 16.3 ms for a DDSM115,
-/// at any adapter. `cargo run --release -p motorlink-bus --example stops` measures at most 297 ms (16 DDSM400).
+/// at any adapter. `cargo xtask bench stops` measures at most 256 ms (16 DDSM115 in the position loop, an
+/// adapter that holds bytes for 16 ms).
 pub const FIRST_BRAKE_MAX: Duration = Duration::from_millis(300);
 
 /// Longest stop of a motor that does not report standstill. From 120 rpm without load the brake

@@ -3,11 +3,12 @@
 
 mod fixture;
 
-use motorlink_bus::{FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX};
+use motorlink_bus::{Command, FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX, StopReason};
 use motorlink_protocol::{Mode, family::Model};
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 use fixture::measured_stops::{MeasuredStop, Stopped, loops, measure};
-use fixture::ms;
+use fixture::{Fixture, id, ms};
 
 fn of_115(mode: Mode, motors: u8, hold_ms: u64) -> Stopped {
     Stopped {
@@ -132,6 +133,44 @@ fn no_wheel_in_the_position_loop_turns_back_to_0_degrees() {
         for motors in [2, 8, 16] {
             let stop = assert_all_braked(of_115(Mode::Position, motors, hold));
             assert!(stop.turned_back_deg < 1.0, "{hold} ms, {motors}: {stop:?}");
+        }
+    }
+}
+
+/// The adapter holds replies that report the velocity loop, from before the switch to the position loop. A brake frame
+/// for them would turn the wheel to 0 degrees.
+#[test]
+fn a_held_reply_from_before_the_stop_is_not_taken_for_the_loop_after_it() {
+    let ids = [id(1), id(2)];
+    for hold in [16, 60, 120].map(ms) {
+        for delay in (0..160).step_by(10).map(ms) {
+            let mut config = WorldConfig::with_ids(ids);
+            for motor in &mut config.motors {
+                motor.angle_deg = 120.0;
+            }
+            let mut fixture = Fixture::watching(config, &ids);
+            fixture.world.set_faults(WireFaults {
+                hold,
+                ..WireFaults::default()
+            });
+            fixture.run(ms(50));
+            let mode = Mode::Position;
+            for id in ids {
+                fixture.command(Command::SwitchMode { id, mode }).unwrap();
+            }
+            fixture.run(delay);
+            fixture
+                .command(Command::StopAll(StopReason::Operator))
+                .unwrap();
+            for id in ids {
+                fixture.command(Command::Stop(id)).unwrap();
+            }
+            fixture.run(ms(4_000));
+            for id in ids {
+                let angle = fixture.world.motor(id).unwrap().angle_deg();
+                let turned = (angle - 120.0).abs();
+                assert!(turned < 2.0, "{hold:?}, after {delay:?}: {angle}");
+            }
         }
     }
 }

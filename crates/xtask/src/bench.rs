@@ -71,12 +71,13 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 8] = [
+const PARTS: [&str; 9] = [
     "start",
     "figures",
     "instruments",
     "wire",
     "scans",
+    "stops",
     "pure",
     "session",
     "recordings",
@@ -89,11 +90,11 @@ const TABLE: &str = "docs/performance.md";
 ///
 /// The first of `args` may name a part; the rows of other parts stay.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
-    if let [part] = args
-        && part == "session"
-    {
-        // It needs neither the page nor a browser, which take minutes to build.
-        return session_alone(workspace);
+    // These need neither the page nor a browser, which take minutes to build.
+    match args {
+        [part] if part == "session" => return alone(workspace, &mut session(workspace)),
+        [part] if part == "stops" => return alone(workspace, &mut stops(workspace)),
+        _ => {}
     }
     let (browser, dist) = prepare(workspace)?;
     let (only, args) = match args {
@@ -108,6 +109,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     {
         let mut command = match part {
             "scans" => full_scans(workspace),
+            "stops" => stops(workspace),
             "pure" => pure_parts(workspace),
             "session" => session(workspace),
             program => program_of_bench(workspace, &browser, program, args),
@@ -145,10 +147,10 @@ fn pure_parts(workspace: &Workspace) -> Command {
     cargo
 }
 
-/// Measures a session file of one hour, and updates its rows.
-fn session_alone(workspace: &Workspace) -> Result<()> {
+/// Measures one part, and updates its rows.
+fn alone(workspace: &Workspace, part: &mut Command) -> Result<()> {
     let mut rows = Rows::default();
-    process::run_with_lines(&mut session(workspace), |line| rows.add_line(line))?;
+    process::run_with_lines(part, |line| rows.add_line(line))?;
     rows.write_into(&workspace.root().join(TABLE), "bench")
 }
 
@@ -177,6 +179,15 @@ fn full_scans(workspace: &Workspace) -> Command {
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
     cargo.args(["--package", "motorlink-bus", "--example", "full_scans"]);
     cargo.args(["--", SCAN_SEEDS]);
+    cargo
+}
+
+/// Stops virtual motors in virtual time, and prints when they are braked.
+fn stops(workspace: &Workspace) -> Command {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args(["run", "--quiet", "--profile", PROFILE]);
+    cargo.args(["--package", "motorlink-bus", "--example", "stops"]);
     cargo
 }
 
