@@ -133,9 +133,15 @@ pub(crate) fn next_request(
         (mut control, DueFrame::LoopQuery(_)) => {
             // The drive frame goes once the motor has named its loop.
             if let Control::Driven(driven) = &mut control {
-                driven.next_frame = now + LOOP_QUERY_PERIOD;
+                driven.next_frame = now + LOOP_QUERY_PERIOD.min(period);
             }
-            (Request::ModeQuery { id }, control, Sent::Query(context))
+            let request = if model.has_separate_frames() {
+                Request::ModeQuery { id }
+            } else {
+                // Every reply names the loop.
+                Request::Query { id }
+            };
+            (request, control, Sent::Query(context))
         }
         (control, _) => {
             let query_period = if motor.is_withheld(now) {

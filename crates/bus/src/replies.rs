@@ -230,19 +230,34 @@ impl Bus {
                 .push_back(Event::Line(LineEvent { at: now, kind }));
         }
         let names_loop = confirms_loop && names_loop.is_some();
+        if let Control::Driven(driven) = &mut motor.control
+            && waited
+            && driven.goal.mode() != Mode::Velocity
+            && !model.has_separate_frames()
+        {
+            driven.next_frame = now;
+        }
         act_on_reply(motor, now, exchange.sent, &reply, names_loop, unconfirmed);
         self.record_reply(now, reply);
+        if !model.has_separate_frames() {
+            self.end_raw_wait(now, id, waited);
+        }
         if measures_round_trip {
             self.round_trip.replied(took);
+        }
+    }
+
+    /// A motor has answered. If the raw frame `waited` for that, it goes out now.
+    fn end_raw_wait(&mut self, now: Instant, id: MotorId, waited: bool) {
+        if let Some(raw) = self.raw.as_mut().filter(|raw| waited && raw.may_move(id)) {
+            raw.end_wait(now);
         }
     }
 
     /// A reply has named the loop and nothing else, or has not named it.
     /// `waited` if a drive frame waited for it.
     fn loop_named(&mut self, now: Instant, id: MotorId, named: Option<Mode>, waited: bool) {
-        if let Some(raw) = self.raw.as_mut().filter(|raw| waited && raw.may_move(id)) {
-            raw.end_wait(now);
-        }
+        self.end_raw_wait(now, id, waited);
         let Some(motor) = self.motor_mut(id) else {
             return;
         };
