@@ -143,6 +143,7 @@ impl HelpTopic {
             WithdrawReason::Fault(_) => Self::Faults,
             WithdrawReason::OtherLoop { .. }
             | WithdrawReason::NotEnabled
+            | WithdrawReason::TemperatureUnknown
             | WithdrawReason::Limit(_) => Self::StoppedByItself,
         }
     }

@@ -209,6 +209,10 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
             tr!("it is not enabled any more (power loss)").to_owned(),
             tr!("Check the motor's power, then press Start."),
         ),
+        WithdrawReason::TemperatureUnknown => (
+            tr!("the temperature has not been known for 2 s").to_owned(),
+            tr!("Check the motor's power and signal plug, then press Start."),
+        ),
         WithdrawReason::Limit(exceeded) => (
             terms::exceeded_limit(exceeded),
             tr!("Find the cause before you press Start. The limits are in Settings."),
@@ -246,6 +250,9 @@ pub(crate) fn of_ended_drive(
         ),
         WithdrawReason::Silent => tr!("no reply for 200 ms").to_owned(),
         WithdrawReason::NotEnabled => tr!("it lost power").to_owned(),
+        WithdrawReason::TemperatureUnknown => {
+            tr!("the temperature has not been known for 2 s").to_owned()
+        }
         WithdrawReason::Limit(exceeded) => terms::exceeded_limit(exceeded),
     };
     let title = match stopped {

@@ -136,6 +136,8 @@ pub enum WithdrawReason {
     Limit(ExceededLimit),
     /// The motor is not enabled any more: it has lost power.
     NotEnabled,
+    /// The temperature has not been known for two seconds, so its limit cannot be judged.
+    TemperatureUnknown,
 }
 
 /// Result of a stop.

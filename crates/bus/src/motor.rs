@@ -1,5 +1,7 @@
 //! State of one motor: what the bus knows of it and does with it.
 
+use std::time::Duration;
+
 use motorlink_protocol::{
     Celsius, Current, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
     family::{Model, Reading},
@@ -138,6 +140,8 @@ pub(crate) struct Motor {
     angle_filter: AngleFilter,
     pub(crate) angle_estimate: AngleEstimate,
     pub(crate) torque: Torque,
+    /// How long the computer has stalled since the last reply.
+    pub(crate) stalled: Duration,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The same, without the requests to other motors that stood for its drive frames.
@@ -186,6 +190,7 @@ impl Motor {
             angle_filter: AngleFilter::default(),
             angle_estimate: AngleEstimate::default(),
             torque: Torque::default(),
+            stalled: Duration::ZERO,
             unanswered_in_a_row: 0,
             lost_in_a_row: 0,
             garbled_in_a_row: 0,
@@ -206,6 +211,7 @@ impl Motor {
     pub(crate) fn record_reply(&mut self, at: Instant, reply: Reply, limits: Limits) -> bool {
         let sample = Sample { at, reply };
         self.last = Some(sample);
+        self.stalled = Duration::ZERO;
         if self.is_free() {
             self.turning_unasked.record(&reply);
         } else {

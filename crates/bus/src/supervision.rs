@@ -26,7 +26,7 @@ impl Bus {
             && self.check_no_job().is_ok()
             && self.check_no_raw_hazard().is_ok();
         for motor in &mut self.motors {
-            if !motor.silent && now >= motor.silent_at() {
+            if motor.falls_silent(now) {
                 motor.silent = true;
                 self.events.push_back(Event::MotorSilent {
                     id: motor.id,
@@ -88,8 +88,9 @@ impl Bus {
                     quiet,
                     motor.unanswered_in_a_row,
                 );
-                let withdrawn =
-                    withdrawn.or((!motor.obeys()).then_some(WithdrawReason::NotEnabled));
+                let withdrawn = withdrawn
+                    .or((!motor.obeys()).then_some(WithdrawReason::NotEnabled))
+                    .or(motor.temperature_unknown(now, driven.since));
                 if let Some(reason) = withdrawn {
                     self.events.push_back(Event::Withdrawn {
                         id: motor.id,
@@ -110,13 +111,19 @@ impl Bus {
 
     /// When this motor must be checked next.
     pub(crate) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
-        let silent = (!motor.silent).then(|| motor.silent_at());
+        // The end of a reply window wakes the bus if it comes later.
+        let silent = (!motor.silent && now < motor.silent_at()).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,
             // With fewer unanswered requests, the end of a reply window comes first and wakes the
             // bus.
-            Control::Driven(driven) => (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX)
-                .then(|| motor.silent_since().max(driven.silent_from()) + DRIVEN_SILENCE_MAX),
+            Control::Driven(driven) => {
+                (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX).then(|| {
+                    motor.silent_since().max(driven.silent_from())
+                        + motor.stalled
+                        + DRIVEN_SILENCE_MAX
+                })
+            }
             Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
             // After its window it only waits for the other motors of the stop.
             Control::Stopping(stop) => (!stop.is_over(now)).then(|| stop.window_ends()),

@@ -66,6 +66,9 @@ pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 pub(crate) const TEMPERATURE_OLD: Duration = Duration::from_millis(300);
 /// From this age on even a new setpoint waits for these queries, but no zero.
 pub(crate) const TEMPERATURE_URGENT: Duration = Duration::from_secs(1);
+/// A driven motor whose temperature is older than this is stopped: its limit cannot be judged. The safety page of the
+/// project asks for it.
+pub(crate) const TEMPERATURE_UNKNOWN_MAX: Duration = Duration::from_secs(2);
 /// Queries in a row end with a drive frame after this time: five periods at 50 Hz, half of the silence that ends a
 /// setpoint.
 pub(crate) const NO_DRIVE_FRAME_MAX: Duration = Duration::from_millis(100);

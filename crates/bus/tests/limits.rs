@@ -3,12 +3,17 @@
 
 mod fixture;
 
-use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
+use fixture::{
+    Fixture, ID, Sent, amps, degrees, drive_frame, driven_models, every, id, ms, raw, rpm,
+};
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, ExceededLimit, GroupSetpoints, Limits,
     RawInterval, Refusal, Repeat, WithdrawReason,
 };
-use motorlink_protocol::{Mode, Request};
+use motorlink_protocol::{
+    Mode, Request,
+    family::{self, Model},
+};
 use motorlink_simulator::WorldConfig;
 
 fn limited(speed_rpm: u16, current_ma: u16, temperature_c: u16) -> Fixture {
@@ -284,5 +289,59 @@ fn no_frame_exceeds_a_lowered_limit_though_no_reply_does() {
             Some(format!("200 rpm, above your limit of {lowered_to} rpm"))
         );
         assert_stopped_for_good(&mut fixture);
+    }
+}
+
+/// A motor that gets hot behind an old temperature.
+#[test]
+fn a_motor_whose_temperature_has_not_been_known_for_two_seconds_is_stopped() {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    fixture.loses_queries = true;
+    let since = fixture.now;
+    let is_withdrawn = |event: &Event| {
+        let reason = WithdrawReason::TemperatureUnknown;
+        *event == Event::Withdrawn { id: ID, reason }
+    };
+    let took = fixture.run_until(ms(3_000), |fixture| fixture.happened(is_withdrawn));
+    assert!(
+        took >= ms(1_800) && took <= ms(2_100),
+        "{took:?} after {since:?}"
+    );
+    fixture.run(ms(1_000));
+    assert!(fixture.true_rpm().abs() < 1.0);
+}
+
+#[test]
+fn a_motor_that_raw_frames_drive_is_stopped_too_when_its_temperature_is_not_known() {
+    let mut fixture = Fixture::one_motor();
+    fixture
+        .command(raw(drive_frame(ID, rpm(100)), every(0, 20)))
+        .unwrap();
+    fixture.run(ms(1_000));
+    fixture.loses_queries = true;
+    fixture.run(ms(2_200));
+    let reason = WithdrawReason::TemperatureUnknown;
+    assert!(fixture.happened(|event| *event == Event::Withdrawn { id: ID, reason }));
+    fixture.run(ms(1_000));
+    assert!(fixture.true_rpm().abs() < 1.0);
+}
+
+#[test]
+fn a_raw_mode_switch_that_is_repeated_needs_no_temperature() {
+    for model in Model::ALL {
+        let mut fixture = driven_models::on(model);
+        let switch = family::Request::SwitchMode {
+            id: ID,
+            mode: Mode::Velocity,
+        };
+        let frame = switch.frame(model).unwrap();
+        fixture.command(raw(frame, every(0, 500))).unwrap();
+        fixture.run(ms(4_000));
+        assert!(
+            !fixture.happened(|event| matches!(event, Event::Withdrawn { .. })),
+            "{model}"
+        );
     }
 }

@@ -6,7 +6,10 @@ mod fixture;
 use std::time::Duration;
 
 use fixture::{Fixture, ID, amps, degrees, every, ms, raw, rpm, scan_report, to};
-use motorlink_bus::{Activity, Command, Event, IdChangeOutcome, Refusal, SetIdFrames, StopReason};
+use motorlink_bus::{
+    Activity, BusSettings, Command, CommandRate, Event, IdChangeOutcome, Refusal, SetIdFrames,
+    StopReason,
+};
 use motorlink_protocol::{Mode, Request, Setpoint};
 
 /// The first call of the bus after the gap.
@@ -248,4 +251,43 @@ fn a_release_from_before_a_gap_does_not_release_the_stop_of_the_gap() {
     assert!(fixture.bus.is_halted());
     fixture.command(Command::Release).unwrap();
     assert!(!fixture.bus.is_halted());
+}
+
+/// A page that had sent nothing blamed the plug: "no reply for 200 ms. Check the motor's power".
+#[test]
+fn a_stalled_computer_is_not_blamed_on_the_motor() {
+    for phase in 0..20 {
+        let mut fixture = Fixture::one_motor();
+        fixture
+            .command(Command::Configure(BusSettings {
+                rate: CommandRate::new(200).unwrap(),
+                ..BusSettings::default()
+            }))
+            .unwrap();
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(1_000 + phase));
+        fixture.world.motor_mut(ID).unwrap().mute(true);
+        fixture.run(ms(30));
+        fixture.world.motor_mut(ID).unwrap().mute(false);
+        fixture.sleep(ms(193));
+        fixture.run(ms(300));
+        let is_withdrawn = |event: &Event| matches!(event, Event::Withdrawn { .. });
+        assert!(!fixture.happened(is_withdrawn), "phase {phase}");
+    }
+}
+
+#[test]
+fn a_motor_that_nobody_asked_while_the_computer_slept_is_not_silent() {
+    for slept in [2_100, 4_000, 60_000] {
+        let mut fixture = Fixture::one_motor();
+        fixture.run(ms(500));
+        fixture.sleep(ms(slept));
+        fixture.run(ms(500));
+        let is_silent = |event: &Event| matches!(event, Event::MotorSilent { .. });
+        assert!(!fixture.happened(is_silent), "{slept} ms");
+        // One without power is asked, and then it is silent.
+        fixture.world.motor_mut(ID).unwrap().power(false);
+        fixture.run(ms(2_200));
+        assert!(fixture.happened(is_silent), "{slept} ms");
+    }
 }

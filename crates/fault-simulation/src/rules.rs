@@ -176,6 +176,7 @@ impl Rules {
         self.wire.disturbed(now);
         self.liveness.disturbed();
         self.invented.on_absence(now);
+        self.operator.was_away();
         self.stop_began = self.stop_began.map(|_| now);
         if is_late {
             if self.operator.was_late() {
@@ -361,7 +362,9 @@ impl Rules {
             Event::Withdrawn { id, reason } => {
                 match reason {
                     WithdrawReason::Silent => self.judge(Rule::SilentIsWithdrawn),
-                    WithdrawReason::Limit(_) => self.judge(Rule::LimitsHold),
+                    WithdrawReason::Limit(_) | WithdrawReason::TemperatureUnknown => {
+                        self.judge(Rule::LimitsHold)
+                    }
                     WithdrawReason::Fault(_)
                     | WithdrawReason::NotEnabled
                     | WithdrawReason::OtherLoop { .. } => {}

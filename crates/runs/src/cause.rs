@@ -26,7 +26,9 @@ const fn withdrawn(id: MotorId, reason: WithdrawReason) -> Cause {
         WithdrawReason::Silent | WithdrawReason::NotEnabled => Cause::Silent(id),
         WithdrawReason::Fault(faults) => Cause::Fault(id, faults),
         WithdrawReason::OtherLoop { reported } => Cause::OtherLoop(id, reported),
-        WithdrawReason::Limit(_) => Cause::Limit(id, ExceededLimit::OfBus),
+        WithdrawReason::Limit(_) | WithdrawReason::TemperatureUnknown => {
+            Cause::Limit(id, ExceededLimit::OfBus)
+        }
     }
 }
 

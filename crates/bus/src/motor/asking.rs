@@ -8,8 +8,8 @@ use super::{Control, Motor};
 use crate::{
     driving::is_rest,
     timing::{
-        NO_DRIVE_FRAME_MAX, PROBE_DOUBLINGS_MAX, SILENT_QUERY_PERIOD, TEMPERATURE_OLD,
-        TEMPERATURE_URGENT,
+        CATCH_UP_MAX, NO_DRIVE_FRAME_MAX, PROBE_DOUBLINGS_MAX, SILENT_QUERY_PERIOD,
+        TEMPERATURE_OLD, TEMPERATURE_URGENT,
     },
 };
 
@@ -55,6 +55,10 @@ impl Motor {
     pub(crate) fn called_late(&mut self, by: Duration) {
         self.missed_drives.called_late(by);
         self.missed_queries.called_late(by);
+        // A shorter delay is caught up.
+        if by > CATCH_UP_MAX {
+            self.stalled += by;
+        }
     }
 
     /// Until when queries go instead of drive frames, because the temperature is old though the motor was asked.

@@ -7,9 +7,10 @@ use motorlink_protocol::{Celsius, Faults, Instant, Reply, Rpm, family::Request};
 use super::{Control, Driven, Motor};
 use crate::{
     counters::LinkQuality,
+    event::WithdrawReason,
     motor_status::{Activity, MotorStatus},
     safety::Known,
-    timing::{DRIVEN_UNANSWERED_MAX, FRESH_FOR, SILENT_AFTER},
+    timing::{DRIVEN_UNANSWERED_MAX, FRESH_FOR, SILENT_AFTER, TEMPERATURE_UNKNOWN_MAX},
 };
 
 impl Motor {
@@ -93,13 +94,35 @@ impl Motor {
             .map_or(self.watched_since, |at| at.max(self.watched_since))
     }
 
+    /// When it counts as silent, if no reply comes until then.
     pub(crate) fn silent_at(&self) -> Instant {
-        self.silent_since() + SILENT_AFTER
+        self.silent_since() + self.stalled + SILENT_AFTER
+    }
+
+    /// Whether it has just fallen silent: it was asked, and did not answer.
+    pub(crate) fn falls_silent(&self, now: Instant) -> bool {
+        let was_asked = self.lost_in_a_row >= DRIVEN_UNANSWERED_MAX;
+        !self.silent && was_asked && now >= self.silent_at()
     }
 
     /// How long a driven motor has been silent, from the command at the earliest.
     pub(crate) fn silence_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
-        now.since(self.silent_since().max(driven.silent_from()))
+        self.silence(now, driven.silent_from())
+    }
+
+    /// How long it has been silent, from `since` at the earliest. While the computer stalled, it had nothing to answer.
+    pub(crate) fn silence(&self, now: Instant, since: Instant) -> Duration {
+        now.since(self.silent_since().max(since) + self.stalled)
+    }
+
+    /// Why a motor driven since then must be stopped, if its temperature is too old to judge the limit.
+    pub(crate) fn temperature_unknown(
+        &self,
+        now: Instant,
+        since: Instant,
+    ) -> Option<WithdrawReason> {
+        let known = self.temperature.map_or(since, |(at, _)| at.max(since));
+        (now.since(known) > TEMPERATURE_UNKNOWN_MAX).then_some(WithdrawReason::TemperatureUnknown)
     }
 
     pub(crate) fn activity(&self) -> Activity {

@@ -259,9 +259,13 @@ impl Bus {
                 reported,
                 motor.fresh_faults(now).unwrap_or(Faults::NONE),
                 motor.exceeded(now, self.settings.limits, raw.since),
-                now.since(motor.silent_since().max(raw.since)),
+                motor.silence(now, raw.since),
                 motor.unanswered_in_a_row,
             );
+            // A motor with separate frames tells its temperature only when it is driven.
+            let drives = matches!(raw.effect, RawEffect::Drive { .. });
+            let unknown = motor.temperature_unknown(now, raw.since);
+            let withdrawn = withdrawn.or(unknown.filter(|_| drives && motor.has_answered()));
             if let Some(reason) = withdrawn {
                 let id = motor.id;
                 self.events.push_back(Event::Withdrawn { id, reason });

@@ -128,6 +128,13 @@ impl Operator {
         self.withdrawn_by_gap.remove(&id);
     }
 
+    /// No call reached the bus for a while: the motors had nothing to answer. Their silence counts anew.
+    pub(super) fn was_away(&mut self) {
+        for reported in self.reported.values_mut() {
+            reported.asked = 0;
+        }
+    }
+
     /// A late call: no setpoint is in force any more. Returns whether one was.
     pub(super) fn was_late(&mut self) -> bool {
         let standing = self.standing.keys().copied();
