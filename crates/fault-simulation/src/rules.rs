@@ -363,7 +363,7 @@ impl Rules {
                 match reason {
                     WithdrawReason::Silent => self.judge(Rule::SilentIsWithdrawn),
                     WithdrawReason::Limit(_) | WithdrawReason::TemperatureUnknown => {
-                        self.judge(Rule::LimitsHold)
+                        self.judge(Rule::LimitsHold);
                     }
                     WithdrawReason::Fault(_)
                     | WithdrawReason::NotEnabled

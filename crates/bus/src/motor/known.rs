@@ -107,11 +107,11 @@ impl Motor {
 
     /// How long a driven motor has been silent, from the command at the earliest.
     pub(crate) fn silence_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
-        self.silence(now, driven.silent_from())
+        self.silent_for(now, driven.silent_from())
     }
 
     /// How long it has been silent, from `since` at the earliest. While the computer stalled, it had nothing to answer.
-    pub(crate) fn silence(&self, now: Instant, since: Instant) -> Duration {
+    pub(crate) fn silent_for(&self, now: Instant, since: Instant) -> Duration {
         now.since(self.silent_since().max(since) + self.stalled)
     }
 

@@ -53,18 +53,17 @@ impl Motor {
     /// Whether the bus must ask for the loop before a drive frame in another loop than the velocity loop: the motor may
     /// have lost power since its last good reply, and then reads the value as a speed. A damaged reply proves nothing.
     pub(crate) fn must_name_loop(&self, now: Instant) -> bool {
+        if !self.model.has_separate_frames() {
+            // Every reply names the loop.
+            return self.lost_in_a_row > 0;
+        }
         let answered = self
             .separate
             .loop_known
             .reported_at()
             .max(self.last.map(|last| last.at));
         let is_long_ago = answered.is_none_or(|at| now.since(at) > LOOP_CERTAIN_FOR);
-        let is_doubted = if self.model.has_separate_frames() {
-            self.separate.loop_known.is_doubted()
-        } else {
-            self.lost_in_a_row > 0
-        };
-        is_doubted || is_long_ago
+        self.separate.loop_known.is_doubted() || is_long_ago
     }
 
     /// The loop that a reply of the last 500 ms has reported, and the last known loop.

@@ -259,7 +259,7 @@ impl Bus {
                 reported,
                 motor.fresh_faults(now).unwrap_or(Faults::NONE),
                 motor.exceeded(now, self.settings.limits, raw.since),
-                motor.silence(now, raw.since),
+                motor.silent_for(now, raw.since),
                 motor.unanswered_in_a_row,
             );
             // A motor with separate frames tells its temperature only when it is driven.
