@@ -280,10 +280,16 @@ fn named(ids: &[MotorId]) -> String {
 fn of_stop(report: &StopReport) -> Option<NoticeText> {
     let motors = report.motors.iter().copied();
     let mut open = motors.filter(|motor| !motor.confirmed).peekable();
+    let left_driven = report.reason == StopReason::LeftDriven;
     if open.peek().is_some() {
-        return Some(of_unconfirmed(open));
+        let mut words = of_unconfirmed(open);
+        if left_driven {
+            let why = of_stop_reason(report.reason);
+            words.advice.insert(0, why.to_owned());
+        }
+        return Some(words);
     }
-    (report.reason == StopReason::LeftDriven).then(|| of_left_driven(report))
+    left_driven.then(|| of_left_driven(report))
 }
 
 /// Motors that were driven when a connection was lost were stopped, and have confirmed it.

@@ -90,6 +90,27 @@ fn a_stop_is_only_told_of_where_it_is_not_confirmed() {
 }
 
 #[test]
+fn what_was_left_driven_is_told_with_its_reason_whether_it_confirms_or_not() {
+    let told = |confirmed| {
+        said(&Notice::StopEnded(StopReport {
+            reason: StopReason::LeftDriven,
+            motors: vec![StopOutcome {
+                id: ID,
+                confirmed,
+                speed: None,
+            }],
+        }))
+        .unwrap()
+    };
+    for confirmed in [true, false] {
+        let words = told(confirmed);
+        assert!(words.contains("0x01"), "{words}");
+        assert!(words.contains("when the connection was lost"), "{words}");
+        assert_eq!(words.contains("off the power"), !confirmed, "{words}");
+    }
+}
+
+#[test]
 fn a_withdrawn_setpoint_says_why() {
     let withdrawn = |reason| said(&Notice::Withdrawn { id: ID, reason }).unwrap();
     assert!(

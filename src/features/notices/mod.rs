@@ -172,7 +172,14 @@ fn next_steps(session: &Session, id: MotorId, when_silent: Option<WhenSilent>) -
         Connection::Connected(_) if session.halted => {
             &[tr!("All motors are stopped. Press Release to drive again.")]
         }
-        Connection::Connected(_) => return vec![next_with_motor(session, id)],
+        Connection::Connected(_) => {
+            let mut steps = vec![next_with_motor(session, id)];
+            // Beside Disconnect, while it matters.
+            if session.active_motors().next().is_some() {
+                steps.push(power_switch);
+            }
+            return steps;
+        }
     };
     steps.iter().map(|step| (*step).to_owned()).collect()
 }
@@ -270,7 +277,9 @@ mod tests {
         session.motors[0].activity = Activity::Driven {
             setpoint: Setpoint::velocity(SpeedTarget::clamped(100)),
         };
-        assert!(next_steps(&session, ID, None)[0].contains("+100 rpm"));
+        let driven = next_steps(&session, ID, None);
+        assert!(driven[0].contains("+100 rpm"));
+        assert!(driven[1].contains("Only the power switch"), "{driven:?}");
         session.motors[0].activity = Activity::Idle;
         session.motors[0].may_turn = true;
         assert!(next_steps(&session, ID, None)[0].contains("may turn"));

@@ -166,6 +166,15 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
         let repeats = move || raw.repeats.get();
         blocked.get().or_else(|| trouble().filter(|_| repeats()))
     });
+    let runs = page.of_motor(|session, _| runs_by_raw_frame(session));
+    let stop = Signal::derive(move || {
+        let stop = if runs.get() {
+            tr!("Stop it")
+        } else {
+            tr!("Stop")
+        };
+        stop.to_owned()
+    });
     view! {
         <div class="send">
             <PressButton
@@ -179,7 +188,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
                 }
             />
             <PressButton
-                label=tr!("Stop")
+                label=stop
                 class="button halt"
                 hint=tr!("Stops sending, and stops any motor the frame may have moved")
                 disabled_reason=stop_blocked_by
@@ -224,20 +233,21 @@ fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             .or_else(|| unconnected.get())
             .unwrap_or_else(otherwise)
     };
-    let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
     let runs = page.of_motor(|session, _| runs_by_raw_frame(session));
+    let words = move || {
+        let mut words = refused.get().or_else(|| answer.get()).unwrap_or_default();
+        if runs.get() {
+            words.push('\n');
+            words.push_str(tr!(
+                "The motor may keep this frame: it runs until it is stopped."
+            ));
+        }
+        words
+    };
     view! {
         <output class="answer" class:bad=dynamic(not_sent) aria-label=tr!("Reply") aria-live="off">
             <span class="answer-title">{dynamic(title)}</span>
             <span class="answer-words">{dynamic(words)}</span>
         </output>
-        <div class="keeps-frame" hidden=dynamic(move || !runs.get())>
-            <p>{tr!("The motor may keep this frame: it runs until it is stopped.")}</p>
-            <PressButton
-                label=tr!("Stop it")
-                class="button halt"
-                on_press=move || raw.stop_raw()
-            />
-        </div>
     }
 }
