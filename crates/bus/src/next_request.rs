@@ -14,6 +14,7 @@ use crate::{
     ramp::Ramp,
     safety::step_towards,
     schedule::DueFrame,
+    stop::Stopping,
     timing::{
         CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, LOOP_QUERY_PERIOD, SILENT_STOP_PERIOD,
         SLOW_BRAKE_PERIOD, STOP_PERIOD,
@@ -47,6 +48,18 @@ pub(crate) struct SendContext {
     pub(crate) slow_brake_frames: bool,
 }
 
+/// The reply to a brake does not name the loop in separate frames, and does not count while the loop is not known: every
+/// other brake is a query for it then.
+fn ask_loop_instead(request: Request, stop: &Stopping, motor: &Motor) -> Request {
+    let is_its_turn = !stop.waits_for_brake() && !stop.round.is_multiple_of(2);
+    match request {
+        Request::Drive { id, .. } if is_its_turn && motor.is_without_confirmed_loop() => {
+            Request::ModeQuery { id }
+        }
+        other => other,
+    }
+}
+
 /// The request for the due frame, and the motor's control state once it is sent.
 pub(crate) fn next_request(
     motor: &Motor,
@@ -59,6 +72,7 @@ pub(crate) fn next_request(
     match (motor.control, due_frame) {
         (Control::Stopping(mut stop), DueFrame::Stop(_)) => {
             let request = stop.next_request(now, model, id, motor.must_be_enabled_to_brake(now));
+            let request = ask_loop_instead(request, &stop, motor);
             let stop_period = if context.slow_brake_frames && stop.is_braked_by(request) {
                 SLOW_BRAKE_PERIOD
             } else if context.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {

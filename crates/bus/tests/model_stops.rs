@@ -163,3 +163,24 @@ fn a_motor_with_slow_brake_frames_is_braked_as_soon_as_it_reports_the_velocity_l
         in_velocity_loop.since(began)
     );
 }
+
+/// Its replies to a brake do not name the loop. A switch of the stop before was not confirmed, so none of them counted.
+#[test]
+fn a_stop_after_one_on_a_stalling_line_is_confirmed() {
+    for model in [Model::Ddsm210, Model::Ddsm400] {
+        let mut fixture = on(model);
+        fixture.run(ms(2_000));
+        fixture.world.set_faults(WireFaults {
+            hold: ms(120),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(450));
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(600));
+        fixture.world.set_faults(WireFaults::default());
+        fixture.run(ms(1_000));
+        fixture.forget_the_past();
+        let took = stopped(&mut fixture);
+        assert!(took <= ms(1_500), "{model}: {took:?}");
+    }
+}

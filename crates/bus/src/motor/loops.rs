@@ -50,6 +50,12 @@ impl Motor {
         self.switched_to.is_some()
     }
 
+    /// Whether only a reply to a query for the loop can confirm its stop.
+    pub(crate) fn is_without_confirmed_loop(&self) -> bool {
+        let is_named = !self.loop_is_unconfirmed() && self.last_mode().is_some();
+        self.model.has_separate_frames() && !is_named
+    }
+
     /// Whether the bus must ask for the loop before a drive frame in another loop than the velocity loop: the motor may
     /// have lost power since its last good reply, and then reads the value as a speed. A damaged reply proves nothing.
     pub(crate) fn must_name_loop(&self, now: Instant) -> bool {
