@@ -85,7 +85,6 @@ impl Rules {
             wire: Wire::of(model),
             truth: Truth::of(model),
             bounds: Bounds::of(model),
-            liveness: Liveness::of(model),
             invented: Invented::of(model),
             ..Self::default()
         }

@@ -84,8 +84,8 @@ const SABOTAGES: [Sabotage; 24] = [
         rule: "StopIsNext",
         what: "a stop waits 100 ms",
         file: "crates/bus/src/stop.rs",
-        from: "            first_frame_sent: false,\n            next_frame: now,\n",
-        to: "            first_frame_sent: true,
+        from: "            reached: Reached::Nothing,\n            next_frame: now,\n",
+        to: "            reached: Reached::FirstFrame,
             next_frame: now + Duration::from_millis(100),\n",
     },
     Sabotage {

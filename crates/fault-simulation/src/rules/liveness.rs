@@ -6,19 +6,14 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{Bus, StopReport};
-use motorlink_protocol::{Instant, Mode, MotorId, family::Model};
+use motorlink_bus::{Bus, FIRST_BRAKE_MAX, StopReport};
+use motorlink_protocol::{Instant, Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
 use crate::rule::{Outcome, Rule, Violation, broken};
 
-/// Each motor of a stop is braked within this, in the velocity loop.
-const BRAKES_WITHIN: Duration = Duration::from_millis(300);
 /// A stop ends within this, and every motor of it has confirmed.
 const CONFIRMS_WITHIN: Duration = Duration::from_millis(1_500);
-/// The same of a model with separate frames, confirmed or not: after lost frames its replies may answer an earlier
-/// request, and such a reply does not confirm.
-const SEPARATE_ENDS_WITHIN: Duration = Duration::from_secs(4);
 /// After a faulty line becomes healthy, held bytes have arrived within this time.
 const LINE_CLEARS: Duration = Duration::from_millis(250);
 /// Below this speed a wheel stands.
@@ -27,7 +22,6 @@ const STANDS_RPM: f32 = 1.0;
 /// Stops and losses, and since when nothing prevents them from ending.
 #[derive(Debug, Default)]
 pub(super) struct Liveness {
-    model: Model,
     line_is_good: bool,
     healthy_since: Option<Instant>,
     /// Motors that were driven when a stop began, with that time.
@@ -40,21 +34,6 @@ pub(super) struct Liveness {
 }
 
 impl Liveness {
-    pub(super) fn of(model: Model) -> Self {
-        Self {
-            model,
-            ..Self::default()
-        }
-    }
-
-    const fn ends_within(&self) -> Duration {
-        if self.model.has_separate_frames() {
-            SEPARATE_ENDS_WITHIN
-        } else {
-            CONFIRMS_WITHIN
-        }
-    }
-
     /// The line was set healthy or faulty.
     pub(super) fn line(&mut self, is_good: bool) {
         self.line_is_good = is_good;
@@ -103,7 +82,7 @@ impl Liveness {
         let began = self.stop_began.take();
         let mut judged = Vec::new();
         let is_healthy = self.healthy_since.is_some_and(|since| {
-            began.is_some_and(|began| since <= began) || now.since(since) > self.ends_within()
+            began.is_some_and(|began| since <= began) || now.since(since) > CONFIRMS_WITHIN
         });
         for outcome in &report.motors {
             self.unbraked.remove(&outcome.id);
@@ -113,7 +92,7 @@ impl Liveness {
             if is_healthy {
                 judged.push(Rule::StopsConfirm);
             }
-            if is_healthy && !outcome.confirmed && !self.model.has_separate_frames() {
+            if is_healthy && !outcome.confirmed {
                 let what = format!("{} is unconfirmed on a good line", outcome.id);
                 return broken(Rule::StopsConfirm, now, what);
             }
@@ -139,7 +118,9 @@ impl Liveness {
         bus: &Bus,
         world: &World,
     ) -> Result<Vec<Rule>, Violation> {
-        let is_well = |motor: &VirtualMotor| motor.is_powered() && motor.fault_byte() == 0;
+        // A motor that is not enabled obeys no brake, and has no loop to confirm.
+        let is_well =
+            |motor: &VirtualMotor| motor.active_mode().is_some() && motor.fault_byte() == 0;
         // A motor that answers to another address now never answers to the one that the bus asks.
         let is_there = |id: MotorId| world.motor(id).is_some();
         let is_healthy = self.line_is_good
@@ -151,8 +132,7 @@ impl Liveness {
         }
         let healthy = *self.healthy_since.get_or_insert(now + LINE_CLEARS);
         let judged = self.brakes(now, healthy, world)?;
-        let within = self.ends_within();
-        let is_over = |began: Instant| now > began.max(healthy) + within;
+        let is_over = |began: Instant| now > began.max(healthy) + CONFIRMS_WITHIN;
         if let Some(began) = self.stop_began.filter(|began| is_over(*began)) {
             let what = format!("the stop of {began:?} has not ended on a good line");
             return broken(Rule::StopsConfirm, now, what);
@@ -182,7 +162,7 @@ impl Liveness {
             }
             !is_braked
         });
-        let is_late = |began: &Instant| now > (*began).max(healthy) + BRAKES_WITHIN;
+        let is_late = |began: &Instant| now > (*began).max(healthy) + FIRST_BRAKE_MAX;
         match self.unbraked.iter().find(|(_, began)| is_late(began)) {
             Some((id, began)) => {
                 let mode = world.motor(*id).map(VirtualMotor::mode);
