@@ -2,6 +2,7 @@
 
 use motorlink_messages::{
     bus::{Limits, Ramp},
+    experiments::analysis::WhenSilent,
     protocol::MotorId,
 };
 use proptest::{collection::btree_map, option, prelude::*, sample::select};
@@ -23,7 +24,7 @@ const ROVER: &str = r#"{
   "current_limit_ma": 1500,
   "temperature_limit_c": 60,
   "motors": [
-    { "id": 1, "name": "Front \"left\"", "side": "left", "drives_together": true },
+    { "id": 1, "name": "Front \"left\"", "side": "left", "drives_together": true, "when_frames_cease": "keeps" },
     { "id": 254, "name": "", "side": "none", "drives_together": false }
   ]
 }
@@ -35,6 +36,7 @@ fn rover() -> Setup {
         member.set_name("Front \"left\"");
         member.side = Side::Left;
         member.drives = true;
+        member.when_silent = Some(WhenSilent::Keeps);
     });
     names.change(id(254), |_| {});
     Setup {
@@ -173,16 +175,20 @@ fn a_motor_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
             "drives_together: expected true or false.",
         ),
         (
+            "\"id\": 3, \"when_frames_cease\": \"stops\"",
+            "when_frames_cease: expected \"keeps\", \"coasts\" or \"brakes\".",
+        ),
+        (
             "\"id\": 3, \"side\": \"left\", \"side\": \"right\"",
             "side: duplicate field.",
         ),
         (
             "\"id\": 3, \"colour\\n\": 1",
-            "colour: unknown field; known fields: id, name, side, drives_together.",
+            "colour: unknown field; known fields: id, name, side, drives_together, when_frames_cease.",
         ),
         (
             "\"id\": 3, \"a_name_that_goes_on_and_on_and_on_and_on\": 1",
-            "a_name_that_goes_on_and_on_and_o: unknown field; known fields: id, name, side, drives_together.",
+            "a_name_that_goes_on_and_on_and_o: unknown field; known fields: id, name, side, drives_together, when_frames_cease.",
         ),
     ] {
         let file = with(&format!("\"motors\": [{{\"id\": 1}}, {{{fields}}}]"));
@@ -305,6 +311,7 @@ pub(crate) fn any_setup() -> impl Strategy<Value = Setup> {
                             member.set_name(&name);
                             member.side = side;
                             member.drives = drives;
+                            member.when_silent = drives.then_some(WhenSilent::Coasts);
                         });
                     }
                     names

@@ -8,10 +8,10 @@ use motorlink_messages::{
     bus::Command,
     decode, encode,
     experiments::{
-        runner::{Cause, End, Phase},
+        runner::{Cause, End, Mark, Phase, RecordPart, Sample, Withheld},
         sequence::Sequence,
     },
-    protocol::{Instant, Mode},
+    protocol::{Current, Instant, Mode, MotorId},
     runs::{FromRun, NotArmed, RunState, ToRun},
 };
 use wasm_bindgen::JsCast;
@@ -352,4 +352,79 @@ fn choose_file(input: &web_sys::Element, name: &str, content: &str) {
         &content.into(),
     );
     choose.unwrap();
+}
+
+/// A run of the study "When frames cease" whose motor keeps its last command.
+fn silence_part(began: Instant) -> RecordPart {
+    let at = |ms: u64| began + std::time::Duration::from_millis(ms);
+    let marks = [0, 2_000, 2_600, 4_600, 5_200].into_iter().enumerate();
+    let is_asked = |ms: &u64| !(4_600..5_200).contains(ms);
+    let sample = |ms| Sample {
+        id: MotorId::FIRST,
+        at: at(ms),
+        rpm: 30,
+        current: Current::from_amps(0.2),
+        degrees: None,
+        celsius: Some(30),
+    };
+    RecordPart {
+        samples: (0..5_400)
+            .step_by(10)
+            .filter(is_asked)
+            .map(sample)
+            .collect(),
+        sent: Vec::new(),
+        marks: marks.map(|(step, ms)| Mark { at: at(ms), step }).collect(),
+    }
+}
+
+#[wasm_bindgen_test]
+async fn when_frames_cease_is_armed_with_its_warning_and_its_result_is_in_the_row() {
+    let bench = panel("experiments-silence", Mode::Velocity).await;
+    let row = || {
+        let list = crate::bench::document().query_selector(".found-list");
+        list.unwrap().unwrap().text_content().unwrap()
+    };
+    bench
+        .until("the row", || row().contains("not tested"))
+        .await;
+    bench.find("tab", "Characterise").click();
+    bench.click("When frames cease");
+    bench.until("Arm", || !is_disabled(&bench, "Arm")).await;
+    bench.click("Arm");
+    let asked = told(&bench).await;
+    let [ToRun::Arm { run, options, .. }] = asked.as_slice() else {
+        panic!("{asked:?}")
+    };
+    assert_eq!(options.silent_steps.get(1), Some(Withheld::DriveFrames));
+    assert_eq!(options.silent_steps.get(3), Some(Withheld::Requests));
+    say(&bench, &armed(*run));
+    bench.until("Run", || !is_disabled(&bench, "Run")).await;
+    let shown = text_of(&bench.find("region", "Experiments"));
+    for words in [
+        "Motor 0x01: 0 to +30 rpm, velocity loop",
+        "It takes 5.4 s.",
+        "Frames cease for 0.6 s, twice. The wheel may keep turning meanwhile",
+    ] {
+        assert!(shown.contains(words), "{words}: {shown}");
+    }
+    bench.click("Run");
+    assert_eq!(told(&bench).await, [ToRun::Start { run: *run }]);
+    let began = now();
+    say(&bench, &state(*run, Phase::Running, Some(began)));
+    let part = silence_part(began);
+    say(&bench, &FromRun::Part { run: *run, part });
+    let at = began + std::time::Duration::from_millis(5_400);
+    say(
+        &bench,
+        &state(*run, Phase::Ended(End::Finished { at }), Some(began)),
+    );
+    let is_kept = || row().contains("keeps its last command");
+    bench.until("the result in the row", is_kept).await;
+    let result = || bench.text("status", "When frames cease");
+    bench
+        .until("the figures", || {
+            result().contains("keeps its last command")
+        })
+        .await;
 }

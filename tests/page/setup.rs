@@ -112,6 +112,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
         rate: CommandRate::new(120).unwrap(),
         ramp: Ramp::new(300).ok(),
         limits: Limits::new(330, 2_700, 60).unwrap(),
+        ..BusSettings::default()
     };
     let received = bench.commands().await;
     assert_eq!(received.last(), Some(&Command::Configure(settings)));
