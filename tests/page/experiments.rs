@@ -362,8 +362,8 @@ fn silence_part(began: Instant) -> RecordPart {
     let sample = |ms| Sample {
         id: MotorId::FIRST,
         at: at(ms),
-        rpm: 30,
-        current: Current::from_amps(0.2),
+        rpm: Some(30),
+        current: Some(Current::from_amps(0.2)),
         degrees: None,
         celsius: Some(30),
     };

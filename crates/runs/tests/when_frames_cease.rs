@@ -13,7 +13,7 @@ use motorlink_experiments::{
     study::{Findings, Measured, SilenceFindings, Study, StudyKind},
 };
 use motorlink_messages::runs::{FromRun, ToRun};
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_protocol::{Instant, Mode, family::Model};
 use motorlink_simulator::{MotorConfig, WhenSilent, WireFaults, WorldConfig};
 
 const STUDY_LASTS: Duration = ms(5_400);
@@ -42,22 +42,27 @@ fn world(model: Model, when_silent: WhenSilent, seed: u64, loss: f64) -> WorldCo
 }
 
 fn started(config: WorldConfig) -> Bench {
+    try_to_start(config).unwrap()
+}
+
+/// On a line that loses replies, a start may be refused: a person switches to the loop, and arms again, a few times.
+fn try_to_start(config: WorldConfig) -> Option<Bench> {
     let mut bench = Bench::of(config);
     let options = Options {
         silent_steps: study().silent_steps(),
         ..Options::default()
     };
-    bench.arm_sequence(study().sequence().to_json(), options);
-    // On a line that loses replies, a person may have to press Run again.
-    for _ in 0..20 {
+    for _ in 0..5 {
+        bench.messages.clear();
+        bench.arm_sequence(study().sequence().to_json(), options);
         bench.run(ms(300));
         bench.message(&ToRun::Start { run: 7 });
         if bench.phase() == Some(Phase::Running) {
-            break;
+            return Some(bench);
         }
+        bench.switch_to(Mode::Velocity);
     }
-    assert_eq!(bench.phase(), Some(Phase::Running), "{:?}", bench.messages);
-    bench
+    None
 }
 
 /// The record, as the page puts it together.
@@ -97,8 +102,12 @@ fn assert_stands(bench: &Bench) {
     assert!(bench.fastest_rpm() < 1.0);
     assert_eq!(bench.driven(), None);
     let bus = bench.bus.as_ref().unwrap();
-    let mut motors = bus.motors(bench.now);
-    assert!(motors.all(|motor| motor.activity == Activity::Idle));
+    for motor in bus.motors(bench.now) {
+        // A DDSM400 may be enabled again.
+        let activity = motor.activity;
+        let is_at_rest = matches!(activity, Activity::Idle | Activity::Switching { .. });
+        assert!(is_at_rest, "{activity:?}");
+    }
 }
 
 /// When the drive frames of each silence ceased and went on.
@@ -158,7 +167,9 @@ fn a_line_that_loses_replies_gives_the_same_result_or_none() {
             (WhenSilent::CoastAfter(AFTER_100), Verdict::Coasts),
             (WhenSilent::BrakeAfter(AFTER_100), Verdict::Brakes),
         ] {
-            let mut bench = started(world(model, when_silent, seed, loss));
+            let Some(mut bench) = try_to_start(world(model, when_silent, seed, loss)) else {
+                continue;
+            };
             bench.run(STUDY_LASTS + ms(4_000));
             assert_stands(&bench);
             let found = findings(&bench);
