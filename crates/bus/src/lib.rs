@@ -65,6 +65,7 @@ mod schedule;
 mod sending;
 mod settings;
 mod silence;
+mod standstill;
 mod stop;
 mod stopping;
 mod supervision;

@@ -20,6 +20,7 @@ use crate::{
     round_trip::RoundTrip,
     sample::Sample,
     silence::Silence,
+    standstill::Standstill,
     stop::Stopping,
     temperature_filter::TemperatureFilter,
     timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP},
@@ -122,8 +123,8 @@ pub(crate) struct Motor {
     pub(crate) left_in: Option<Mode>,
     turning_unasked: TurningUnasked,
     last: Option<Sample>,
-    /// Whether it has ever answered.
-    has_answered: bool,
+    /// When it last answered.
+    answered: Option<Instant>,
     /// When it last told anything of its wheel.
     told: Option<Instant>,
     speed: Option<(Instant, Rpm)>,
@@ -138,6 +139,7 @@ pub(crate) struct Motor {
     pub(crate) late: LateReplies,
     temperature_filter: TemperatureFilter,
     angle_filter: AngleFilter,
+    pub(crate) standstill: Standstill,
     pub(crate) angle_estimate: AngleEstimate,
     pub(crate) torque: Torque,
     /// How long the computer has stalled since the last reply.
@@ -175,7 +177,7 @@ impl Motor {
             left_in: None,
             turning_unasked: TurningUnasked::default(),
             last: None,
-            has_answered: false,
+            answered: None,
             told: None,
             speed: None,
             current: None,
@@ -188,6 +190,7 @@ impl Motor {
             late: LateReplies::default(),
             temperature_filter: TemperatureFilter::default(),
             angle_filter: AngleFilter::default(),
+            standstill: Standstill::default(),
             angle_estimate: AngleEstimate::default(),
             torque: Torque::default(),
             stalled: Duration::ZERO,
@@ -241,13 +244,13 @@ impl Motor {
     /// Records that it told something of its wheel. Returns whether it was silent before.
     pub(crate) fn tells(&mut self, at: Instant) -> bool {
         self.told = Some(at);
-        self.request_answered();
+        self.request_answered(at);
         std::mem::take(&mut self.silent)
     }
 
     /// Records that it answers, even if it tells nothing of its wheel.
-    pub(crate) fn request_answered(&mut self) {
-        self.has_answered = true;
+    pub(crate) fn request_answered(&mut self, at: Instant) {
+        self.answered = Some(at);
         self.unanswered_in_a_row = 0;
         self.lost_in_a_row = 0;
         self.garbled_in_a_row = 0;

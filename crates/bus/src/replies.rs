@@ -261,7 +261,7 @@ impl Bus {
         let Some(motor) = self.motor_mut(id) else {
             return;
         };
-        motor.request_answered();
+        motor.request_answered(now);
         motor.count_reply();
         match (&mut motor.control, named) {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
@@ -292,16 +292,18 @@ impl Bus {
         if !is_of_stop || motor.late.may_answer_id_query() || motor.loop_is_unconfirmed() {
             return false;
         }
-        let Some(reply) = as_reply(motor, now, reading, None) else {
+        let asked = oldest.and_then(|sent| stop.layout_since(sent));
+        let Some(reply) = as_reply(motor, now, reading, asked) else {
             let named = reading.names_loop(motor.model);
             self.loop_named(now, id, named, false);
             return true;
         };
         let named = !motor.model.has_separate_frames() || motor.last_mode().is_some();
+        let angle_stands = motor.standstill.record(now, &reply);
         if let Control::Stopping(stop) = &mut motor.control
             && named
         {
-            stop.record_reply(&reply);
+            stop.record_reply(&reply, angle_stands);
         }
         self.record_reply(now, reply);
         true
@@ -357,13 +359,14 @@ fn act_on_reply(
 ) {
     motor.angle_estimate.replied(now, reply);
     let seen = motor.angle_estimate.confirmed_now(now);
+    let angle_stands = motor.standstill.record(now, reply);
     // With separate frames a reply may come before the motor has named its loop.
     let unnamed = motor.model.has_separate_frames() && motor.last_mode().is_none();
     match &mut motor.control {
         Control::Switching(switch) if names_loop => switch.record_mode(reply.mode),
         // A late reply may report the time before a switch.
         Control::Stopping(stop) if sent >= stop.began() && !unconfirmed && !unnamed => {
-            stop.record_reply(reply);
+            stop.record_reply(reply, angle_stands);
         }
         Control::Stopping(stop) => stop.record_uncertain_reply(reply.mode),
         Control::Driven(driven) => {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Drive, Instant, Mode, MotorId, Reply, Setpoint,
+    Drive, Instant, Layout, Mode, MotorId, Reply, Setpoint,
     family::{Model, Request},
 };
 
@@ -42,8 +42,14 @@ pub(crate) struct Stopping {
     /// Brakes and queries that go before the next switch. Otherwise rounds longer than [`SWITCH_PERIOD`] would starve
     /// them.
     asks_left: u8,
-    /// Replies in a row that report standstill in the velocity loop.
+    /// Replies in a row that report standstill in the velocity loop, by their speed.
     standstill_replies: u8,
+    /// Whether the last angle since the stop began shows standstill.
+    angle_stands: bool,
+    /// Whether the last frame asked for the angle.
+    has_asked_angle: bool,
+    last_query: Option<Instant>,
+    last_brake: Option<Instant>,
     /// Whether the last reply since the stop began, of any age, reports the position loop.
     reports_position: bool,
 }
@@ -70,6 +76,10 @@ impl Stopping {
             next_switch: first_switch,
             asks_left: 0,
             standstill_replies: 0,
+            angle_stands: false,
+            has_asked_angle: false,
+            last_query: None,
+            last_brake: None,
             reports_position: false,
         }
     }
@@ -94,6 +104,8 @@ impl Stopping {
                     mode: Mode::Velocity,
                 }
             }
+        } else if self.asks_angle(model) {
+            Request::Query { id }
         } else if self.may_brake() && !self.asks_loop(model) {
             let drive = Drive::from(Setpoint::Brake);
             Request::Drive { id, drive }
@@ -122,6 +134,12 @@ impl Stopping {
         model.has_separate_frames() && self.plan != StopPlan::Brake && self.asks_left == 1
     }
 
+    /// Whether it is the turn of a query for the angle, which the reply to a brake frame does not have in separate frames.
+    /// It takes turns with the brake, and only once the speed is that of a standstill.
+    fn asks_angle(&self, model: Model) -> bool {
+        model.has_separate_frames() && self.standstill_replies > 0 && !self.has_asked_angle
+    }
+
     /// Records a sent frame; the next round begins `period` later.
     ///
     /// Between two switches an answering motor is queried for its loop; a silent one is queried
@@ -137,6 +155,12 @@ impl Stopping {
         self.round += 1;
         self.next_frame = now + period;
         self.asks_left = self.asks_left.saturating_sub(1);
+        self.has_asked_angle = matches!(request, Request::Query { .. });
+        match request {
+            Request::Query { .. } => self.last_query = Some(now),
+            Request::Drive { .. } => self.last_brake = Some(now),
+            _ => {}
+        }
         self.reached = if self.is_braked_by(request) {
             Reached::Brake
         } else {
@@ -164,9 +188,10 @@ impl Stopping {
         self.next_frame = self.next_frame.min(now);
     }
 
-    /// Records a reply to a request of this stop.
-    pub(crate) fn record_reply(&mut self, reply: &Reply) {
+    /// Records a reply to a request of this stop. `angle_stands` is what its angle tells, if it has one.
+    pub(crate) fn record_reply(&mut self, reply: &Reply, angle_stands: Option<bool>) {
         self.record_loop(reply.mode);
+        self.angle_stands = angle_stands.unwrap_or(self.angle_stands);
         let Some(speed) = reply.speed else {
             return;
         };
@@ -176,6 +201,17 @@ impl Stopping {
         } else {
             0
         };
+    }
+
+    /// The layout of a reply to a request of this stop, sent at this moment or later, if all of them have the same.
+    pub(crate) fn layout_since(&self, sent: Instant) -> Option<Layout> {
+        let none = |last: Option<Instant>| last.is_none_or(|last| last < sent);
+        match (none(self.last_query), none(self.last_brake)) {
+            _ if sent < self.began => None,
+            (true, false) => Some(Layout::Drive),
+            (false, true) => Some(Layout::Query),
+            _ => None,
+        }
     }
 
     /// Records a reply that only names the loop.
@@ -213,7 +249,7 @@ impl Stopping {
     }
 
     pub(crate) fn confirmed(&self) -> bool {
-        self.standstill_replies >= STANDSTILL_REPLIES
+        self.standstill_replies >= STANDSTILL_REPLIES && self.angle_stands
     }
 
     pub(crate) fn is_over(&self, now: Instant) -> bool {

@@ -65,13 +65,13 @@ fn behind_a_switch_the_next_frame_is_sent_at_once_if_it_is_answered_or_brakes() 
 fn an_uncertain_reply_from_the_position_loop_ends_the_brake() {
     let mut stop = stop_of(Some(Mode::Velocity));
     for _ in 1..STANDSTILL_REPLIES {
-        stop.record_reply(&standing(Mode::Velocity));
+        stop.record_reply(&standing(Mode::Velocity), Some(true));
     }
     stop.record_uncertain_reply(Mode::Position);
     let request = |stop: &Stopping, at| stop.next_request(at, Model::Ddsm115, ID, false);
     assert_eq!(request(&stop, BEGAN), Request::Query { id: ID });
     assert_eq!(request(&stop, BEGAN + STOP_PERIOD), switch());
-    stop.record_reply(&standing(Mode::Velocity));
+    stop.record_reply(&standing(Mode::Velocity), Some(true));
     assert!(!stop.confirmed(), "standstill is counted again");
 }
 
@@ -80,13 +80,13 @@ fn an_uncertain_reply_from_another_loop_changes_no_plan_and_no_count() {
     for mode in [Mode::Velocity, Mode::Current] {
         let mut stop = stop_of(Some(Mode::Velocity));
         for _ in 1..STANDSTILL_REPLIES {
-            stop.record_reply(&standing(Mode::Velocity));
+            stop.record_reply(&standing(Mode::Velocity), Some(true));
         }
         stop.record_uncertain_reply(mode);
         let next = stop.next_request(BEGAN + STOP_PERIOD, Model::Ddsm115, ID, false);
         assert_eq!(next, brake());
         assert!(!stop.confirmed());
-        stop.record_reply(&standing(Mode::Velocity));
+        stop.record_reply(&standing(Mode::Velocity), Some(true));
         assert!(stop.confirmed());
     }
 }

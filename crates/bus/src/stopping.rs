@@ -17,11 +17,8 @@ impl Bus {
         self.halted = true;
         self.begin_stop(now, reason, |motor| {
             let active = !matches!(motor.control, Control::Idle);
-            // A motor without a fresh speed may turn. A motor that never answered does not exist.
-            let stands = motor
-                .fresh_speed(now)
-                .is_some_and(|speed| speed.magnitude() == 0);
-            active || motor.may_turn || (motor.has_answered() && !stands)
+            // A motor that is not known to stand may turn. A motor that never answered does not exist.
+            active || motor.may_turn || (motor.has_answered() && !motor.stands(now))
         });
     }
 

@@ -387,6 +387,9 @@ fn stop_all_brakes_a_watched_wheel_that_turns_though_we_do_not_drive_it() {
 #[test]
 fn stop_all_with_nothing_to_stop_ends_at_once_and_halts() {
     let mut fixture = Fixture::one_motor();
+    // The coarse angle needs a while to show standstill.
+    fixture.run(ms(300));
+    fixture.forget_the_past();
     fixture.command(STOP).unwrap();
     fixture.run(ms(10));
     assert_eq!(report(&fixture).motors, []);

@@ -55,6 +55,14 @@ impl Motor {
         Some(speed)
     }
 
+    /// Whether it is known to stand, by speed and angle.
+    pub(crate) fn stands(&self, now: Instant) -> bool {
+        let by_speed = self
+            .fresh_speed(now)
+            .is_some_and(|speed| speed.magnitude() == 0);
+        by_speed && self.standstill.by_angle(now)
+    }
+
     pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
         self.fresh(now).map(|reply| reply.faults)
     }
@@ -75,7 +83,7 @@ impl Motor {
     }
 
     pub(crate) const fn has_answered(&self) -> bool {
-        self.has_answered
+        self.answered.is_some()
     }
 
     /// Whether nothing here drives, switches or stops it, and no raw frame has moved it.
