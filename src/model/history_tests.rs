@@ -4,7 +4,7 @@ use motorlink_messages::{
     Adapter,
     bus::MotorStatus,
     protocol::{
-        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Mode, Position, Rpm,
+        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Mode, Position, Reply, Rpm,
     },
 };
 

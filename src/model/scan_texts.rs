@@ -18,6 +18,9 @@ use crate::{
 /// More IDs than this are counted instead of named.
 const NAMED_MAX: usize = 8;
 
+/// So many addresses with noise, and no motor: no ID is shared so often.
+const NOISY_EVERYWHERE: usize = 100;
+
 /// Why an ID is only changed on a bus with one motor.
 fn one_motor_only() -> &'static str {
     tr!("A new ID reaches every motor on the bus: connect only the motor to change.")
@@ -106,6 +109,17 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
             count = report.asked
         );
         return text(Tone::Calm, title, &[&tr!("Before that: {found}.", found)]);
+    }
+    if report.noisy.len() >= NOISY_EVERYWHERE && report.found.is_empty() {
+        return text(
+            Tone::Warning,
+            tr!("Bytes without a motor: the bus floats"),
+            &[tr!(
+                "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter \
+                 with bias resistors."
+            )],
+        )
+        .explained_at(HelpTopic::DamagedBytes);
     }
     if !report.noisy.is_empty() {
         let title = tr!(

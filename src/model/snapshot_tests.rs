@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter,
-    bus::{Counters, LinkQuality, StopReport},
+    bus::{Counters, LinkQuality, Sample, StopReport},
     protocol::{Setpoint, SpeedTarget},
 };
 

@@ -31,6 +31,10 @@ pub struct Counters {
     pub echoes_cut: u64,
     /// Bytes outside any frame and echo.
     pub junk_bytes: u64,
+    /// Bytes `00` or `FF` among them, where nothing else was: the levels of a pair that nothing drives.
+    pub level_bytes: u64,
+    /// Chunks of exactly 32 bytes, as from an adapter that delivers only full blocks.
+    pub blocks: u64,
 }
 
 impl Counters {

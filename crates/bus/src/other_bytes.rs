@@ -107,4 +107,7 @@ pub(crate) fn count_line(counters: &mut Counters, rest: &OtherBytes) {
         _ => counters.echoes_cut += 1,
     }
     counters.junk_bytes += rest.junk_bytes as u64;
+    if rest.is_levels() {
+        counters.level_bytes += rest.junk_bytes as u64;
+    }
 }

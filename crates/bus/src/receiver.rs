@@ -132,6 +132,14 @@ impl OtherBytes {
         })
     }
 
+    /// Whether all bytes outside frames are those of a pair that nothing drives.
+    pub(crate) fn is_levels(&self) -> bool {
+        self.segments.iter().all(|piece| match piece {
+            Segment::Reply(_) => true,
+            Segment::Junk(junk) => junk.bytes().iter().all(|byte| matches!(byte, 0 | 0xFF)),
+        })
+    }
+
     /// Whether nothing arrived except an echo.
     pub(crate) fn is_silence(&self) -> bool {
         self.segments.is_empty() && self.junk_bytes == 0

@@ -22,6 +22,9 @@ use crate::{
     timing::{AMBIGUITY_QUIET, LATE, MIN_WINDOW, earliest_reply},
 };
 
+/// A block of an adapter that delivers only full ones. No sum of replies and whole echoes is as long.
+const BLOCK: usize = 32;
+
 impl Bus {
     /// Takes bytes that the port received.
     pub fn receive(&mut self, now: Instant, bytes: &[u8]) {
@@ -30,6 +33,7 @@ impl Bus {
         if !bytes.is_empty() {
             self.last_drive = LastDrive::Carried;
         }
+        self.counters.blocks += u64::from(bytes.len() == BLOCK);
         if let Line::Busy(exchange) = &mut self.line {
             exchange.held_until = exchange.held_until.map(|_| now + AMBIGUITY_QUIET);
             exchange.last_byte = Some(now);

@@ -2,6 +2,9 @@
 //!
 //! | what is seen | what it is likely to be |
 //! |---|---|
+//! | blocks of 32 bytes, nothing between them | the adapter delivers only full blocks |
+//! | 00 or FF without replies | a pair that nothing holds at a level |
+//! | 00 or FF beside each reply | a driver that is switched too early or too late |
 //! | nothing at all | no power, A and B exchanged, the brown wire |
 //! | nothing but what was sent | the adapter echoes, and nobody is there |
 //! | garbage from a motor, standing too | two motors with one ID |
@@ -43,6 +46,11 @@ const NOISY_PER_MILLE: u32 = 30;
 /// So many times more errors while it turns are no chance.
 const GROWTH: u32 = 3;
 
+/// So few bytes of a pair that nothing drives are chance.
+const LEVELS_MIN: u32 = 20;
+/// Three replies and a part of one in one chunk are chance, after a stall.
+const BLOCKS_MIN: u32 = 4;
+
 /// Unrequested frames that may come by chance: a reply that is seconds late.
 const STRANGERS_MIN: u32 = 3;
 
@@ -52,6 +60,12 @@ const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
 /// What is likely to be wrong, most likely first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Diagnosis {
+    /// Blocks of 32 bytes are received, and nothing between them.
+    Blocks,
+    /// Bytes come without a motor that answers: nothing holds the pair at a level.
+    Floating,
+    /// A byte comes with every reply: the adapter or the motor takes or releases the pair at the wrong time.
+    Turnaround,
     /// Nothing is received.
     Nothing,
     /// Only the echo of what was sent is received.
@@ -103,6 +117,12 @@ pub(crate) struct Tally {
     pub(crate) echoed: u32,
     /// Good frames of a motor that was not asked.
     pub(crate) foreign: u32,
+    /// Replies after their window. Each is among the silent or the garbled, too.
+    pub(crate) late: u32,
+    /// Bytes of a pair that nothing drives.
+    pub(crate) levels: u32,
+    /// Chunks of 32 bytes.
+    pub(crate) blocks: u32,
 }
 
 impl Tally {
@@ -119,12 +139,17 @@ impl Tally {
             garbled: more(garbled),
             echoed: more(echoed),
             foreign: more(|counters| counters.wrong_ids),
+            late: more(|counters| counters.late),
+            levels: more(|counters| counters.level_bytes),
+            blocks: more(|counters| counters.blocks),
         }
     }
 
-    /// Requests without a good reply.
+    /// Requests without a good reply. A late reply is not lost.
     const fn lost(&self) -> u32 {
-        self.silent.saturating_add(self.garbled)
+        self.silent
+            .saturating_add(self.garbled)
+            .saturating_sub(self.late)
     }
 
     /// Those among the requests, in per mille.
@@ -149,6 +174,9 @@ impl AddAssign for Tally {
         add(&mut self.garbled, other.garbled);
         add(&mut self.echoed, other.echoed);
         add(&mut self.foreign, other.foreign);
+        add(&mut self.late, other.late);
+        add(&mut self.levels, other.levels);
+        add(&mut self.blocks, other.blocks);
     }
 }
 
@@ -189,6 +217,12 @@ pub(crate) struct Findings {
     pub(crate) motors: Vec<MotorFindings>,
     /// Good frames of one that was not asked, in the last ten seconds.
     pub(crate) foreign: u32,
+    /// Bytes of a pair that nothing drives, in the last ten seconds while no single motor was asked.
+    pub(crate) levels: u32,
+    /// Chunks of 32 bytes in the last ten seconds.
+    pub(crate) blocks: u32,
+    /// Whether the computer is late: then no wire is named.
+    pub(crate) computer_is_late: bool,
     /// Of the last 256 replies.
     pub(crate) round_trip: RoundTripStatus,
 }
@@ -201,7 +235,18 @@ pub(crate) fn diagnose(findings: &Findings) -> Verdict {
         found.add(Diagnosis::Stranger);
     }
     let motors = &findings.motors;
-    if !motors.is_empty() && motors.iter().all(is_deaf) && !strangers {
+    let mut all = Tally::default();
+    for motor in motors {
+        all += motor.recent;
+    }
+    let levels = all.levels.saturating_add(findings.levels);
+    if findings.blocks >= BLOCKS_MIN {
+        found.add(Diagnosis::Blocks);
+    } else if levels >= LEVELS_MIN && levels > all.answered.saturating_mul(2) {
+        found.add(Diagnosis::Floating);
+    } else if levels >= LEVELS_MIN && levels.saturating_mul(2) > all.answered {
+        found.add(Diagnosis::Turnaround);
+    } else if !motors.is_empty() && motors.iter().all(is_deaf) && !strangers {
         let mut quiet = Tally::default();
         for motor in motors {
             quiet += motor.quiet;
@@ -214,7 +259,7 @@ pub(crate) fn diagnose(findings: &Findings) -> Verdict {
         });
     } else {
         for motor in motors {
-            if let Some(diagnosis) = of_motor(motor) {
+            if let Some(diagnosis) = of_motor(motor, findings.computer_is_late) {
                 found.add(diagnosis);
             }
         }
@@ -277,7 +322,7 @@ fn is_lossy(motor: &MotorFindings) -> bool {
         && heard.lost_per_mille() >= LOSSY_PER_MILLE
 }
 
-fn of_motor(motor: &MotorFindings) -> Option<Diagnosis> {
+fn of_motor(motor: &MotorFindings, computer_is_late: bool) -> Option<Diagnosis> {
     let recent = motor.recent;
     if is_deaf(motor) {
         Some(Diagnosis::Silent(motor.id))
@@ -286,7 +331,7 @@ fn of_motor(motor: &MotorFindings) -> Option<Diagnosis> {
     } else if recent.asked >= ASKED_TO_BE_SHARED && recent.garbled_per_mille() >= 500 {
         Some(Diagnosis::SharedId(motor.id))
     } else {
-        is_lossy(motor).then(|| {
+        (is_lossy(motor) && !computer_is_late).then(|| {
             if motor.heard.garbled.saturating_mul(DAMAGED_OF_LOST) >= motor.heard.lost() {
                 Diagnosis::Damaged
             } else {

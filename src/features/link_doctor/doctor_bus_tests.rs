@@ -7,7 +7,7 @@ use motorlink_messages::{
     bus::{Bus, Command, Consent, Event, Output},
     protocol::{Instant, Setpoint, SpeedTarget},
 };
-use motorlink_simulator::{LineCondition, WireFaults, World, WorldConfig};
+use motorlink_simulator::{Beside, LineCondition, WireFaults, World, WorldConfig};
 
 use super::*;
 use crate::features::link_doctor::record::Record;
@@ -312,4 +312,77 @@ fn noise_that_grows_with_speed_is_not_called_healthy_while_the_wheel_turns() {
             }
         }
     }
+}
+
+/// A line of one motor, or none, with these faults from the start.
+fn hostile(motors: WorldConfig, faults: WireFaults) -> Verdict {
+    let mut bus = RecordedBus::on(World::new(WorldConfig { faults, ..motors }));
+    bus.run(20).clone()
+}
+
+#[test]
+fn a_floating_pair_and_a_byte_beside_each_reply_are_named() {
+    let floating = WireFaults {
+        floating: true,
+        ..WireFaults::default()
+    };
+    let verdict = hostile(WorldConfig::with_ids([]), floating);
+    assert_eq!(verdict, Verdict::Faulty(vec![Diagnosis::Floating]));
+    for byte in [0, 0xFF] {
+        for beside in [Beside::Before(byte), Beside::After(byte)] {
+            let faults = WireFaults {
+                beside: Some(beside),
+                ..WireFaults::default()
+            };
+            let verdict = hostile(WorldConfig::default(), faults);
+            let expected = Verdict::Faulty(vec![Diagnosis::Turnaround]);
+            assert_eq!(verdict, expected, "{beside:?}");
+        }
+    }
+}
+
+#[test]
+fn an_adapter_that_delivers_blocks_is_named() {
+    let faults = WireFaults {
+        block: 32,
+        ..WireFaults::default()
+    };
+    let verdict = hostile(WorldConfig::default(), faults);
+    assert_eq!(verdict, Verdict::Faulty(vec![Diagnosis::Blocks]));
+}
+
+/// A late reply is not lost, and what a late computer loses is not the wire's.
+#[test]
+fn late_replies_name_no_wire() {
+    let late = Tally {
+        asked: 100,
+        answered: 80,
+        silent: 20,
+        late: 18,
+        ..Tally::default()
+    };
+    let motor = MotorFindings {
+        id: ID,
+        recent: late,
+        heard: late,
+        quiet: Tally::default(),
+        silent: false,
+        loss_per_mille: Some(20),
+        standing: late,
+        turning: Tally::default(),
+    };
+    let findings = |tally: Tally, computer_is_late| Findings {
+        motors: vec![MotorFindings {
+            recent: tally,
+            heard: tally,
+            ..motor
+        }],
+        computer_is_late,
+        ..Findings::default()
+    };
+    assert_eq!(diagnose(&findings(late, false)), Verdict::SomeLoss);
+    let lost = Tally { late: 0, ..late };
+    assert_eq!(diagnose(&findings(lost, true)), Verdict::SomeLoss);
+    let named = Verdict::Faulty(vec![Diagnosis::Lost]);
+    assert_eq!(diagnose(&findings(lost, false)), named);
 }

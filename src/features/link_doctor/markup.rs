@@ -143,6 +143,9 @@ mod tests {
     fn every_diagnosis_has_a_cause_and_a_remedy() {
         let id = MotorId::FIRST;
         for diagnosis in [
+            Diagnosis::Blocks,
+            Diagnosis::Floating,
+            Diagnosis::Turnaround,
             Diagnosis::Nothing,
             Diagnosis::EchoOnly,
             Diagnosis::SharedId(id),

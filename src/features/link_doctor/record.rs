@@ -18,6 +18,9 @@ use crate::{
 /// From here on a wheel turns: below it the current, and so what is heard of it, is that of rest.
 const TURNING_FROM_RPM: u16 = 20;
 
+/// From so many late calls and replies a second on, lost replies may be the computer's.
+const LATE_MIN_HZ: u16 = 5;
+
 /// How a wheel is, or was for a whole second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Motion {
@@ -130,7 +133,9 @@ impl Record {
         }
         if elapsed.is_some_and(|elapsed| elapsed <= Self::EVERY_MAX) {
             self.count(&seen);
-            self.verdict = diagnose(&self.findings(&seen, line.round_trip));
+            let mut findings = self.findings(&seen, line.round_trip);
+            findings.computer_is_late = line.late_hz >= LATE_MIN_HZ;
+            self.verdict = diagnose(&findings);
         }
         self.seen = seen;
         true
@@ -216,7 +221,11 @@ impl Record {
                     standing,
                     turning,
                 }),
-                None => findings.foreign = recent.foreign,
+                None => {
+                    findings.foreign = recent.foreign;
+                    findings.levels = recent.levels;
+                    findings.blocks = recent.blocks;
+                }
             }
         }
         findings

@@ -55,6 +55,9 @@ pub(crate) fn no_virtual_wire() -> &'static str {
 /// What is likely to be the cause.
 pub(crate) fn cause(diagnosis: Diagnosis) -> String {
     match diagnosis {
+        Diagnosis::Blocks => tr!("The adapter delivers only blocks of 32 bytes").to_owned(),
+        Diagnosis::Floating => tr!("Bytes without a motor: the bus floats").to_owned(),
+        Diagnosis::Turnaround => tr!("A byte 00 or FF beside each reply").to_owned(),
         Diagnosis::Nothing => tr!("No bytes received").to_owned(),
         Diagnosis::EchoOnly => tr!("Only echoes received: the adapter works").to_owned(),
         Diagnosis::SharedId(id) => tr!("Two motors seem to share ID {id}", id),
@@ -73,6 +76,18 @@ pub(crate) fn cause(diagnosis: Diagnosis) -> String {
 pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
     match diagnosis {
         Diagnosis::Nothing | Diagnosis::EchoOnly => wiring().to_vec(),
+        Diagnosis::Blocks => vec![tr!(
+            "Replies wait in the adapter until 32 bytes are there, so they come too late. Use another \
+             adapter or driver."
+        )],
+        Diagnosis::Floating => vec![tr!(
+            "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter with \
+             bias resistors."
+        )],
+        Diagnosis::Turnaround => vec![tr!(
+            "The bus floats before or after each reply. Use an adapter with bias resistors, or one that \
+             switches its direction by itself."
+        )],
         Diagnosis::SharedId(_) => vec![
             tr!("Both reply at once, so their frames collide."),
             tr!("Connect only one, change its ID in the ID Manager tab, then connect the other."),
@@ -148,7 +163,11 @@ pub(crate) const fn of_diagnosis(diagnosis: Diagnosis) -> HelpTopic {
             HelpTopic::NoAnswer
         }
         Diagnosis::SharedId(_) => HelpTopic::TwoMotorsOneId,
-        Diagnosis::NoiseGrowsWithSpeed | Diagnosis::Damaged => HelpTopic::DamagedBytes,
+        Diagnosis::NoiseGrowsWithSpeed
+        | Diagnosis::Damaged
+        | Diagnosis::Blocks
+        | Diagnosis::Floating
+        | Diagnosis::Turnaround => HelpTopic::DamagedBytes,
         Diagnosis::Stranger => HelpTopic::StrangerAnswers,
         Diagnosis::LatencyTimer => HelpTopic::AdapterSlow,
     }

@@ -189,8 +189,8 @@ impl Traces {
 #[cfg(test)]
 mod tests {
     use motorlink_messages::protocol::{
-        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Instant, Position, PositionTarget,
-        Rpm, SpeedTarget,
+        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Instant, Mode, MotorId,
+        Position, PositionTarget, Reply, Rpm, SpeedTarget,
     };
 
     use super::*;
