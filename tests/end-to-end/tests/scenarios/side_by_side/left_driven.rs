@@ -15,6 +15,9 @@ const STANDS_WITHIN_US: u64 = 1_500_000;
 /// From the death of the worker to the first stop frame.
 const STOPS_WITHIN_US: u64 = 1_000_000;
 
+/// What a worker has written when it ends is on the wire this soon.
+const LAST_WRITE_WITHIN_US: u64 = 200_000;
+
 /// Keeps the page's workers at hand, so that they can be ended behind its back.
 const KEEP_WORKERS: &str = "
     window.kept = [];
@@ -100,8 +103,6 @@ fn the_next_page_stops_it(
         adapter,
         page,
     };
-    // The worker of a crashed page lives on while the browser notes the crash.
-    thread::sleep(Duration::from_secs(1));
     it_keeps_turning(&mut scenario)?;
     let pressed_us = now_us();
     scenario.page.click("button", "Connect")?;
@@ -113,13 +114,10 @@ fn the_next_page_stops_it(
     Ok(scenario)
 }
 
+/// A page that crashes is left to its worker for a while, which then stops the motors by its watchdog.
 #[test]
-fn what_a_crashed_page_a_discarded_one_or_a_killed_browser_drove_is_stopped_first() -> Result<()> {
+fn what_a_discarded_page_or_a_killed_browser_drove_is_stopped_first() -> Result<()> {
     let scenario = Scenario::spinning()?;
-    let scenario = the_next_page_stops_it(scenario, "crashed page", |_, page| {
-        page.crash();
-        Ok(())
-    })?;
     let scenario =
         the_next_page_stops_it(scenario, "killed tab", |bench, page| bench.discard(page))?;
     let scenario = the_next_page_stops_it(scenario, "killed browser", |bench, page| {
@@ -139,9 +137,13 @@ fn what_a_dead_worker_drove_is_stopped_by_another_one_within_a_second() -> Resul
     spin(&scenario.page, "+100", 97..=103)?;
     let ended_us = now_us();
     scenario.page.evaluate("window.kept[0].terminate()")?;
-    // What was written before it ended may come out after it.
-    let from_us = ended_us + 20_000;
     let says = "Stopped, standstill confirmed: 0x01";
+    the_page_says(&scenario.page, says)?;
+    // What the worker wrote before it ended may come out after it.
+    let drives = scenario.since(ended_us)?.drives();
+    let its_last = drives.frames.iter().rfind(|frame| !frame.is_stop());
+    let from_us = its_last.map_or(ended_us, |frame| frame.at_us + 1);
+    ensure!(from_us < ended_us + LAST_WRITE_WITHIN_US, "{drives}");
     let took_us = is_stopped_first(&mut scenario, "dead worker", from_us, says)?;
     ensure!(took_us < STOPS_WITHIN_US, "{took_us} us");
     let reloading = now_us();
