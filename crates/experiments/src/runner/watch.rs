@@ -72,6 +72,9 @@ struct Known {
     newest: Option<Telemetry>,
     rpm: Timed<f64>,
     degrees: Timed<f64>,
+    /// The angle from which a position setpoint counts too. An odometry reply, which has no current, counts from elsewhere:
+    /// the setpoint from where the position loop was entered.
+    setpoint_degrees: Timed<f64>,
     celsius: Timed<f64>,
     over_current_since: Option<Instant>,
 }
@@ -87,6 +90,7 @@ impl Watch {
             newest: None,
             rpm: None,
             degrees: None,
+            setpoint_degrees: None,
             celsius: None,
             over_current_since: None,
         };
@@ -108,6 +112,9 @@ impl Watch {
         }
         if let Some(degrees) = reply.degrees {
             known.degrees = Some((reply.at, degrees.into()));
+            if reply.current.is_some() {
+                known.setpoint_degrees = known.degrees;
+            }
         }
         if let Some(celsius) = reply.celsius {
             known.celsius = Some((reply.at, celsius.into()));
@@ -157,7 +164,7 @@ impl Watch {
         }
         let fresh = |(at, _): &(Instant, f64)| now.since(*at) <= FRESH_FOR;
         let (_, degrees) = known
-            .degrees
+            .setpoint_degrees
             .filter(fresh)
             .ok_or(StartRefusal::NoAngle(id))?;
         Ok(setpoint_of(Quantity::Degrees, degrees))
