@@ -9,6 +9,7 @@ use motorlink_protocol::{
     Celsius, CoarsePosition, Detail, Instant, Position, PositionTarget, Reply, Rpm,
 };
 
+use crate::angle_fit::AngleFit;
 use crate::timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, HOLD_REFINED_WITHIN};
 
 /// An uncertain reading this near to the estimate confirms it: four steps of the coarse angle.
@@ -27,6 +28,7 @@ const TEMPERATURE_STEP_MAX: u8 = 3;
 pub(crate) struct AngleEstimate {
     last: Option<Estimate>,
     temperature: Option<Celsius>,
+    fit: AngleFit,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +76,7 @@ impl AngleEstimate {
         let Some(speed) = reply.speed else {
             return;
         };
+        self.fit.replied(at, speed, reply.detail);
         let carried = self.last.map(|before| {
             let mean_dps = f32::midpoint(
                 before.speed.degrees_per_second(),
@@ -137,8 +140,11 @@ impl AngleEstimate {
         Some(last.degrees)
     }
 
-    /// A hold from now on and its first angle; `None` if the angle is unknown.
+    /// A hold from now on and its first angle; `None` if the angle is unknown or does not fit the motion.
     pub(crate) fn hold(&self, now: Instant) -> Option<(Hold, PositionTarget)> {
+        if self.fit.misfits() {
+            return None;
+        }
         let speed = self.last?.speed;
         let degrees = self.degrees(now)?;
         let hold = Hold { at: now, speed };

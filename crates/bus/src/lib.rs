@@ -20,6 +20,7 @@
 
 mod angle_estimate;
 mod angle_filter;
+mod angle_fit;
 mod broadcast;
 mod bus;
 mod bus_status;

@@ -3,12 +3,12 @@
 
 mod fixture;
 
-use motorlink_bus::{Command, Event, StopOutcome, StopReason};
-use motorlink_protocol::{Position, family::Model};
+use motorlink_bus::{Activity, Command, Event, StopOutcome, StopReason};
+use motorlink_protocol::{Mode, Position, family::Model};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
 use fixture::driven_models::{on, stopped};
-use fixture::{Fixture, ID, ms, rpm};
+use fixture::{Fixture, ID, degrees, ms, rpm};
 
 fn with(motor: MotorConfig) -> Fixture {
     let model = motor.model;
@@ -116,5 +116,26 @@ fn stop_all_stops_a_wheel_whose_angle_moves_at_a_reported_standstill() {
             "{model}"
         );
         assert!(fixture.true_rpm().abs() < 1.0, "{model}");
+    }
+}
+
+/// The drive replies report 51.2 degrees wherever the wheel is: Hold would turn it there.
+#[test]
+fn an_angle_that_does_not_fit_the_motion_is_not_held() {
+    for (wait_ms, goal) in [(250, 200.0), (2_500, 200.0), (2_500, 140.0)] {
+        let mut fixture = with(MotorConfig {
+            drive_angle_stuck: Some(Position::from_raw(0x1234)),
+            ..MotorConfig::new(ID)
+        });
+        fixture.switch(Mode::Position);
+        fixture.drive(degrees(goal)).unwrap();
+        fixture.run(ms(wait_ms));
+        let before = fixture.world.motor(ID).unwrap().turns();
+        fixture.command(Command::Hold(ID)).unwrap();
+        assert!(matches!(fixture.activity(), Activity::Stopping { .. }));
+        fixture.run(ms(1_000));
+        let moved = (fixture.world.motor(ID).unwrap().turns() - before) * 360.0;
+        assert!(moved.abs() < 60.0, "{wait_ms} ms: {moved}");
+        assert!(fixture.true_rpm().abs() < 1.0);
     }
 }
