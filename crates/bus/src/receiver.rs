@@ -253,6 +253,10 @@ impl Receiver {
 
     /// The window of the request `sent` has ended without a reply.
     pub(crate) fn window_ended(&mut self, sent: &Frame) {
+        // A copy that was no proof: nothing else is outstanding, and the replies that follow tell of the echo.
+        if self.echo.is_unknown() && self.find_copy(sent, false) == Found::Copy {
+            return;
+        }
         if self.unanswered.len() >= usize::from(OWED_MAX) {
             self.unanswered.pop_front();
         }
@@ -292,8 +296,14 @@ impl Receiver {
             return false;
         };
         let mut unanswered = self.unanswered.iter();
-        echo::is_echo(self.model, window, sent)
-            || unanswered.any(|earlier| window == earlier.bytes())
+        self.is_echo(offset, sent) || unanswered.any(|earlier| window == earlier.bytes())
+    }
+
+    /// Whether the frame at `offset` is the echo of `sent`.
+    fn is_echo(&self, offset: usize, sent: &Frame) -> bool {
+        let window = self.buffer.get(offset..).and_then(<[u8]>::first_chunk);
+        let model = self.model;
+        model.has_separate_frames() && window.is_some_and(|it| echo::is_echo(model, it, sent))
     }
 
     /// The copy of the request that is its reply, or may be.
@@ -369,7 +379,8 @@ impl Receiver {
             other_bytes.junk_bytes += next - at;
             at = next;
             if let Some(received) = reply_at(model, bytes, at) {
-                if !self.is_copy(at, sent) {
+                // What may be the echo of an earlier request may be a late reply, too.
+                if !self.is_echo(at, sent) {
                     other_bytes.segments.push(Segment::Reply(received));
                 }
                 at += FRAME_LEN;

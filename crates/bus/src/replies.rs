@@ -105,6 +105,9 @@ impl Bus {
                         if is_like_echo {
                             self.receiver.echo_detected();
                         }
+                        if received.frame != exchange.frame {
+                            self.log_received(now, &received.frame, None);
+                        }
                         continue;
                     }
                     self.line = Line::Free {
