@@ -245,6 +245,10 @@ impl Motor {
     pub(crate) fn tells(&mut self, at: Instant) -> bool {
         self.told = Some(at);
         self.request_answered(at);
+        if self.silent {
+            // While it was silent it was asked more and more rarely.
+            self.next_query = self.next_query.min(at);
+        }
         std::mem::take(&mut self.silent)
     }
 

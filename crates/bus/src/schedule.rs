@@ -9,7 +9,7 @@ use crate::{
     probe::Probe,
     silence::Silence,
     stop::Stopping,
-    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
+    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE, TEMPERATURE_OLD},
 };
 
 /// When the next frame goes out.
@@ -128,9 +128,14 @@ pub(crate) fn next_turn(
     })
     .map(|(at, id)| (at, DueFrame::Drive(id)));
     let urgent = motors.iter().find(|motor| asks_instead(motor).is_some());
-    let (query, queries_from) = match urgent {
-        Some(motor) => (Some((now - QUERY_PATIENCE, motor.id)), now),
-        None => (next_query(motors).filter(|_| !stops_first), queries_from),
+    let regular = next_query(motors).filter(|_| !stops_first);
+    // Queries in a row do not keep the other motors from their own.
+    let another_waits = |urgent: &Motor| {
+        regular.is_some_and(|(at, id)| id != urgent.id && now >= at + TEMPERATURE_OLD)
+    };
+    let (query, queries_from) = match urgent.filter(|urgent| !another_waits(urgent)) {
+        Some(urgent) => (Some((now - QUERY_PATIENCE, urgent.id)), now),
+        None => (regular, queries_from),
     };
 
     // The reply window of a silent motor may be as long as the time between its frames. So at most one switch or

@@ -53,11 +53,13 @@ pub enum Rule {
     StopsConfirm,
     /// Every value of a sample was in a reply of that age.
     NoInventedValue,
+    /// Every motor that is not known to be silent is asked in time, on every line.
+    AskedInTime,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -81,6 +83,7 @@ impl Rule {
         Self::FirstBrakeInTime,
         Self::StopsConfirm,
         Self::NoInventedValue,
+        Self::AskedInTime,
     ];
 }
 

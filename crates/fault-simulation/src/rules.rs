@@ -7,10 +7,12 @@
 //! | `said` | what a frame of a motor says |
 //! | `truth` | whether the reported telemetry is true |
 //! | `motion` | whether a wheel moves on after a stop or a hold |
+//! | `asked` | whether every motor is asked in time |
 //! | `bounds` | limits of every frame on the wire |
 //! | `liveness` | what must happen on a good line: brakes, ends of stops, stops after a loss |
 //! | `invented` | whether every value of a sample was in a reply of that age |
 
+mod asked;
 mod bounds;
 mod invented;
 mod liveness;
@@ -33,8 +35,8 @@ use motorlink_protocol::{
 use motorlink_simulator::World;
 
 use self::{
-    bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion, operator::Operator,
-    truth::Truth, wire::Wire,
+    asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
+    operator::Operator, truth::Truth, wire::Wire,
 };
 use crate::rule::{Outcome, Rule, broken};
 
@@ -65,6 +67,7 @@ pub(crate) struct Rules {
     bounds: Bounds,
     liveness: Liveness,
     invented: Invented,
+    asked: Asked,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
@@ -175,6 +178,7 @@ impl Rules {
         self.wire.disturbed(now);
         self.liveness.disturbed();
         self.invented.on_absence(now);
+        self.asked.excused(now);
         self.operator.was_away();
         self.stop_began = self.stop_began.map(|_| now);
         if is_late {
@@ -219,6 +223,8 @@ impl Rules {
         for rule in self.liveness.settled(now, bus, world)? {
             self.judge(rule);
         }
+        let judged = self.asked.settled(now, bus)?;
+        *self.judged.entry(Rule::AskedInTime).or_default() += judged;
         self.check_active_setpoints(now, bus)
     }
 
@@ -252,6 +258,7 @@ impl Rules {
         self.moves_no_more(now, world, |_| true);
         self.bounds.port_lost();
         self.liveness.port_lost();
+        self.asked = Asked::default();
         self.operator.port_lost();
         self.wire.port_lost();
         self.stops.clear();
@@ -262,12 +269,14 @@ impl Rules {
     /// A port is open again.
     pub(crate) fn port_opened(&mut self, now: Instant, world: &World) {
         self.liveness.port_opened(now, world);
+        self.asked.excused(now);
     }
 
     /// A frame goes out.
     pub(crate) fn sent(&mut self, now: Instant, frame: Frame, bus: &Bus, world: &World) -> Outcome {
         self.judge(Rule::OneFrameAtATime);
         self.wire.sent(now, frame)?;
+        self.asked.sent(now, frame, bus);
         let raw = self.operator.raw_consent(frame);
         let limits = self.operator.limits;
         for rule in self.bounds.sent(now, frame, raw, limits, world)? {
@@ -304,6 +313,7 @@ impl Rules {
     /// The port refused or truncated a frame; `reported` is whether the bus knows.
     pub(crate) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, reported: bool) {
         self.wire.refused(now, frame, bytes, reported);
+        self.asked.excused(now);
         self.liveness.disturbed();
         // The bus sends another first.
         for until in self.stops.values_mut() {

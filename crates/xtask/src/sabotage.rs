@@ -35,7 +35,7 @@ struct Sabotage {
 }
 
 /// One for each rule at least.
-const SABOTAGES: [Sabotage; 25] = [
+const SABOTAGES: [Sabotage; 26] = [
     Sabotage {
         rule: "DrivenByCommandOnly",
         what: "a stopped motor is driven on at 50 rpm",
@@ -208,6 +208,13 @@ const SABOTAGES: [Sabotage; 25] = [
         file: "crates/bus/src/stop.rs",
         from: "        self.next_frame = now + period;\n",
         to: "        self.next_frame = now + period + Duration::from_millis(400);\n",
+    },
+    Sabotage {
+        rule: "AskedInTime",
+        what: "a query for proof moves the schedule of queries on",
+        file: "crates/bus/src/motor/asking.rs",
+        from: "(self.next_query + period).min(now + period)",
+        to: "self.next_query + period",
     },
     Sabotage {
         rule: "StopsConfirm",
