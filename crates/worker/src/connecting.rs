@@ -366,9 +366,14 @@ impl Attempt<'_> {
         left: LeftMotors,
     ) -> Result<Result<Opened, ConnectError>, Superseded> {
         let shared = self.shared;
+        let opening = shared.borrow().now();
         let again = || {
             let owner = shared.borrow();
-            owner.generation == generation && owner.now().since(self.began) < serial::REOPEN_WITHIN
+            let now = owner.now();
+            // A port that this attempt has just closed needs a moment too, however long the attempt takes.
+            owner.generation == generation
+                && (now.since(self.began) < serial::REOPEN_WITHIN
+                    || now.since(opening) < serial::JUST_CLOSED)
         };
         let (memory, opened) = match claim(candidate.place).await {
             Some(memory) => (memory, serial::open(candidate, model, again).await),

@@ -29,6 +29,8 @@ const BUFFER_BYTES: u32 = 16_384;
 /// How long a port that does not open is tried again before the causes are named. After a reload, a crash or a replug
 /// the system holds it for about a second (betaflight-configurator#5109, WICG/serial#156).
 pub(crate) const REOPEN_WITHIN: Duration = Duration::from_secs(2);
+/// How long a port may still be closing after an earlier trial.
+pub(crate) const JUST_CLOSED: Duration = Duration::from_millis(400);
 /// Pause between two tries. Closing a port takes 4 ms.
 const REOPEN_PAUSE: Duration = Duration::from_millis(40);
 /// How long a port that is closed is waited for. Closing takes 4 ms; after a sleep of the computer some drivers never
