@@ -299,14 +299,19 @@ impl Bus {
         if !is_of_stop || motor.late.may_answer_id_query() || motor.loop_is_unconfirmed() {
             return false;
         }
-        let asked = oldest.and_then(|sent| stop.layout_since(sent));
-        let Some(reply) = as_reply(motor, now, reading, asked) else {
+        let Some(reply) = as_reply(motor, now, reading, None) else {
             let named = reading.names_loop(motor.model);
             self.loop_named(now, id, named, false);
             return true;
         };
         let named = !motor.model.has_separate_frames() || motor.last_mode().is_some();
-        let angle_stands = motor.standstill.record(now, &reply);
+        // The layout is likely, not certain: it serves to compare angles, not as telemetry.
+        let likely = oldest.and_then(|sent| stop.layout_since(sent));
+        let angle_stands = if motor.model.has_separate_frames() {
+            motor.standstill.record(now, &reply)
+        } else {
+            motor.standstill.record(now, &reply.in_layout(likely))
+        };
         if let Control::Stopping(stop) = &mut motor.control
             && named
         {
