@@ -73,11 +73,10 @@ fn after_a_gap_of_over_a_second_the_old_speed_does_not_return() {
         fixture.world.motor_mut(ID).unwrap().mute(false);
         fixture.forget_the_past();
         fixture.run_until(ms(3_000), |fixture| samples(fixture).next().is_some());
-        assert_eq!(
-            samples(&fixture).next().unwrap().reply.speed,
-            None,
-            "{model}"
-        );
+        // The speed before the gap was about 100 rpm, and the free wheel has become slower.
+        let told = samples(&fixture).next().unwrap().reply.speed;
+        let off = told.map(|told| f32::from(told.rpm()) - fixture.true_rpm());
+        assert!(off.is_none_or(|off| off.abs() < 5.0), "{model}: {told:?}");
     }
 }
 
