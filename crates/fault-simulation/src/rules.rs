@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `operator` | which commands are in force, and what may be sent by them |
 //! | `wire` | frames on the wire, and their entries in the log |
-//! | `said` | what a frame of a motor says |
+//! | `said` | what a frame says, and to whom |
 //! | `truth` | whether the reported telemetry is true |
 //! | `motion` | whether a wheel moves on after a stop or a hold |
 //! | `asked` | whether every motor is asked in time |
@@ -36,7 +36,7 @@ use motorlink_simulator::World;
 
 use self::{
     asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
-    operator::Operator, truth::Truth, wire::Wire,
+    operator::Operator, said::may_obey, truth::Truth, wire::Wire,
 };
 use crate::rule::{Outcome, Rule, broken};
 
@@ -49,12 +49,6 @@ const WINDOW_MAX: Duration = Duration::from_millis(40);
 const REFUSED_COSTS: Duration = Duration::from_millis(45);
 /// A stop ends confirmed or after its window of three seconds; scans and switches are over then.
 const STOP_ENDS_WITHIN: Duration = Duration::from_secs(4);
-
-/// Whether a motor may obey a frame, by its first byte. 0xC8 addresses all.
-fn may_obey(frame: &Frame, id: MotorId) -> bool {
-    let [first, ..] = *frame.bytes();
-    first == id.get() || first == 0xC8
-}
 
 /// State of the rules.
 #[derive(Debug, Default)]

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, time::Duration};
 use motorlink_bus::Bus;
 use motorlink_protocol::{Frame, Instant, MotorId};
 
-use super::may_obey;
+use super::said::may_obey;
 use crate::rule::{Rule, Violation, broken};
 
 /// A motor is asked at least so often, on every line: five query periods of a busy line.

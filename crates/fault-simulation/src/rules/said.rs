@@ -1,4 +1,4 @@
-//! What a frame of a motor says.
+//! What a frame says, and to whom.
 
 use motorlink_protocol::{
     Detail, Frame, Mode, MotorId, Reply,
@@ -7,6 +7,12 @@ use motorlink_protocol::{
 
 /// Most difference of a speed in rpm from tenths of it.
 const ROUNDED_RPM: i32 = 1;
+
+/// Whether a motor may obey a frame, by its first byte. 0xC8 addresses all.
+pub(super) fn may_obey(frame: &Frame, id: MotorId) -> bool {
+    let [first, ..] = *frame.bytes();
+    first == id.get() || first == 0xC8
+}
 
 /// Whether this is the frame, or the last frame, from which the bus has made a reply.
 pub(super) fn tells(model: Model, frame: &Frame, reply: &Reply) -> bool {
