@@ -216,7 +216,9 @@ impl Receiver {
     ) -> Option<(ReceivedReply, OtherBytes)> {
         let received = reply_at(self.model, &self.buffer, offset)?;
         let other_bytes = self.sort(offset, sent);
-        if received.frame != *sent && self.owed == 0 {
+        // While bytes of an earlier request may come, only a window with nothing else tells of the echo.
+        let is_alone = self.buffer.len() == FRAME_LEN;
+        if received.frame != *sent && (self.owed == 0 || is_alone) {
             let before = self.buffer.get(..offset).unwrap_or_default();
             self.echo.replied(part_before(before, sent));
         }

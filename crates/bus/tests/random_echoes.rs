@@ -78,6 +78,28 @@ fn a_motor_whose_reply_is_its_request_is_read_whatever_the_adapter_echoes() {
     }
 }
 
+/// Its odometry reply is identical to its request, and the adapter has echoed.
+#[test]
+fn a_motor_at_angle_zero_is_stopped_as_fast_once_the_adapter_has_ceased_to_echo() {
+    let cut = [1, 2, 5, 9].map(Echo::Cut);
+    for echo in [Echo::Whole, Echo::Parts].into_iter().chain(cut) {
+        for seed in 0..6 {
+            let mut fixture = echoing(Model::Ddsm210, echo, seed, 0.0);
+            fixture.run(ms(1_500));
+            fixture.world.set_faults(WireFaults::default());
+            fixture.run(ms(50));
+            fixture.forget_the_past();
+            fixture.command(Command::Stop(ID)).unwrap();
+            fixture.run(ms(1_500));
+            let confirmed = fixture.happened(|event| match event {
+                Event::StopEnded(report) => report.motors.iter().all(|motor| motor.confirmed),
+                _ => false,
+            });
+            assert!(confirmed, "{echo:?} seed {seed}");
+        }
+    }
+}
+
 /// Nothing but the echo comes back, whole, and later than the earliest reply.
 #[test]
 fn an_echo_of_a_motor_without_power_is_never_read() {
