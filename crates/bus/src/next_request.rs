@@ -14,7 +14,6 @@ use crate::{
     ramp::Ramp,
     safety::step_towards,
     schedule::DueFrame,
-    stop::Stopping,
     timing::{
         CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, LOOP_QUERY_PERIOD, SILENT_STOP_PERIOD,
         SLOW_BRAKE_PERIOD, STOP_PERIOD,
@@ -48,18 +47,6 @@ pub(crate) struct SendContext {
     pub(crate) slow_brake_frames: bool,
 }
 
-/// The reply to a brake does not name the loop in separate frames, and does not count while the loop is not known: every
-/// other brake is a query for it then.
-fn ask_loop_instead(request: Request, stop: &Stopping, motor: &Motor) -> Request {
-    let is_its_turn = !stop.waits_for_brake() && !stop.round.is_multiple_of(2);
-    match request {
-        Request::Drive { id, .. } if is_its_turn && motor.is_without_confirmed_loop() => {
-            Request::ModeQuery { id }
-        }
-        other => other,
-    }
-}
-
 /// The request for the due frame, and the motor's control state once it is sent.
 pub(crate) fn next_request(
     motor: &Motor,
@@ -71,8 +58,9 @@ pub(crate) fn next_request(
     let SendContext { model, period, .. } = context;
     match (motor.control, due_frame) {
         (Control::Stopping(mut stop), DueFrame::Stop(_)) => {
-            let request = stop.next_request(now, model, id, motor.must_be_enabled_to_brake(now));
-            let request = ask_loop_instead(request, &stop, motor);
+            let must_be_enabled = motor.must_be_enabled_to_brake(now);
+            let without_loop = motor.is_without_confirmed_loop();
+            let request = stop.next_request(now, model, id, must_be_enabled, without_loop);
             let stop_period = if context.slow_brake_frames && stop.is_braked_by(request) {
                 SLOW_BRAKE_PERIOD
             } else if context.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
@@ -158,15 +146,10 @@ pub(crate) fn next_request(
             (request, control, Sent::Query(context))
         }
         (control, _) => {
-            let query_period = if motor.is_withheld(now) {
-                period
-            } else {
-                context.query_period
-            };
-            let context = SendContext {
-                query_period,
-                ..context
-            };
+            let mut context = context;
+            if motor.is_withheld(now) {
+                context.query_period = period;
+            }
             (motor.next_query(), control, Sent::Query(context))
         }
     }

@@ -86,13 +86,15 @@ impl Stopping {
 
     /// The next request to the motor.
     ///
-    /// A turning motor that `must_be_enabled` ignores the brake, so it is enabled and switched in turns.
+    /// A turning motor that `must_be_enabled` ignores the brake, so it is enabled and switched in turns. Of one that is
+    /// `without_loop`, only a reply to a query for the loop counts.
     pub(crate) fn next_request(
         &self,
         now: Instant,
         model: Model,
         id: MotorId,
         must_be_enabled: bool,
+        without_loop: bool,
     ) -> Request {
         let switches = self.plan != StopPlan::Brake || must_be_enabled;
         if switches && now >= self.next_switch && self.asks_left == 0 {
@@ -104,9 +106,9 @@ impl Stopping {
                     mode: Mode::Velocity,
                 }
             }
-        } else if self.asks_angle(model) {
+        } else if self.asks_angle(model) && !without_loop {
             Request::Query { id }
-        } else if self.may_brake() && !self.asks_loop(model) {
+        } else if self.may_brake() && !self.asks_loop(model, without_loop) {
             let drive = Drive::from(Setpoint::Brake);
             Request::Drive { id, drive }
         } else if model.has_separate_frames() {
@@ -129,9 +131,12 @@ impl Stopping {
     }
 
     /// Whether it is the turn of a query for the loop. The reply to a brake frame does not name it in separate frames, and
-    /// a reply to a switch may be an echo: a DDSM210 answers with the same bytes.
-    fn asks_loop(&self, model: Model) -> bool {
-        model.has_separate_frames() && self.plan != StopPlan::Brake && self.asks_left == 1
+    /// a reply to a switch may be an echo: a DDSM210 answers with the same bytes. Once the motor has a brake, every other
+    /// brake is such a query while the motor is `without_loop`.
+    fn asks_loop(&self, model: Model, without_loop: bool) -> bool {
+        let is_behind_switch = self.plan != StopPlan::Brake && self.asks_left == 1;
+        let is_its_turn = !self.waits_for_brake() && !self.round.is_multiple_of(2);
+        model.has_separate_frames() && (is_behind_switch || without_loop && is_its_turn)
     }
 
     /// Whether it is the turn of a query for the angle, which the reply to a brake frame does not have in separate frames.

@@ -68,7 +68,7 @@ fn an_uncertain_reply_from_the_position_loop_ends_the_brake() {
         stop.record_reply(&standing(Mode::Velocity), Some(true));
     }
     stop.record_uncertain_reply(Mode::Position);
-    let request = |stop: &Stopping, at| stop.next_request(at, Model::Ddsm115, ID, false);
+    let request = |stop: &Stopping, at| stop.next_request(at, Model::Ddsm115, ID, false, false);
     assert_eq!(request(&stop, BEGAN), Request::Query { id: ID });
     assert_eq!(request(&stop, BEGAN + STOP_PERIOD), switch());
     stop.record_reply(&standing(Mode::Velocity), Some(true));
@@ -83,7 +83,7 @@ fn an_uncertain_reply_from_another_loop_changes_no_plan_and_no_count() {
             stop.record_reply(&standing(Mode::Velocity), Some(true));
         }
         stop.record_uncertain_reply(mode);
-        let next = stop.next_request(BEGAN + STOP_PERIOD, Model::Ddsm115, ID, false);
+        let next = stop.next_request(BEGAN + STOP_PERIOD, Model::Ddsm115, ID, false, false);
         assert_eq!(next, brake());
         assert!(!stop.confirmed());
         stop.record_reply(&standing(Mode::Velocity), Some(true));
@@ -98,9 +98,12 @@ fn a_motor_that_last_reported_the_position_loop_is_not_braked_after_many_switche
     stop.record_uncertain_reply(Mode::Position);
     let now = send_switches(&mut stop, SILENT_SWITCHES, false);
     assert_eq!(
-        stop.next_request(now, Model::Ddsm115, ID, false),
+        stop.next_request(now, Model::Ddsm115, ID, false, false),
         Request::Query { id: ID }
     );
     stop.record_uncertain_reply(Mode::Velocity);
-    assert_eq!(stop.next_request(now, Model::Ddsm115, ID, false), brake());
+    assert_eq!(
+        stop.next_request(now, Model::Ddsm115, ID, false, false),
+        brake()
+    );
 }

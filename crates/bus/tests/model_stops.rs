@@ -3,7 +3,7 @@
 
 mod fixture;
 
-use motorlink_bus::{Activity, BusSettings, Command, Refusal};
+use motorlink_bus::{Activity, BusSettings, Command, Event, Refusal};
 use motorlink_protocol::{Detail, Instant, Mode, PositionTarget, Setpoint, family::Model};
 use motorlink_simulator::WireFaults;
 
@@ -182,5 +182,31 @@ fn a_stop_after_one_on_a_stalling_line_is_confirmed() {
         fixture.forget_the_past();
         let took = stopped(&mut fixture);
         assert!(took <= ms(1_500), "{model}: {took:?}");
+    }
+}
+
+/// The loop is unknown after a silence. The angle was asked for in turns with the brake, and the loop never.
+#[test]
+fn a_stop_of_a_motor_that_is_silent_for_a_moment_is_confirmed() {
+    for model in [Model::Ddsm210, Model::Ddsm400] {
+        for answered_ms in 4..40 {
+            let mut fixture = on(model);
+            fixture.run(ms(2_000));
+            fixture.forget_the_past();
+            fixture.command(Command::Stop(ID)).unwrap();
+            fixture.run(ms(answered_ms));
+            fixture.world.set_faults(WireFaults {
+                lose_reply: 1.0,
+                ..WireFaults::default()
+            });
+            fixture.run(ms(400));
+            fixture.world.set_faults(WireFaults::default());
+            fixture.run(ms(1_000));
+            let confirmed = fixture.happened(|event| match event {
+                Event::StopEnded(report) => report.motors.iter().all(|motor| motor.confirmed),
+                _ => false,
+            });
+            assert!(confirmed, "{model}, silent after {answered_ms} ms");
+        }
     }
 }
