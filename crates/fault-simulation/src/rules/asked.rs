@@ -1,6 +1,6 @@
 //! Whether every motor that is not known to be silent is asked in time.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{collections::BTreeMap, mem, time::Duration};
 
 use motorlink_bus::Bus;
 use motorlink_protocol::{Frame, Instant, MotorId};
@@ -37,14 +37,18 @@ impl Asked {
         if bus.job().is_some() || bus.is_stopping() {
             self.excused(now);
         }
+        // A motor that is renamed or silent has nothing to wait for. Its time begins when it is there again.
+        let before = mem::take(&mut self.at);
         let mut judged = 0;
-        for status in bus.motors(now).filter(|status| !status.silent) {
-            let asked = *self.at.entry(status.id).or_insert(now);
+        for status in bus.motors(now) {
+            let known = before.get(&status.id).filter(|_| !status.silent);
+            let asked = known.copied().unwrap_or(now);
+            self.at.insert(status.id, asked);
             if now.since(asked.max(self.excused_until)) > ASKED_WITHIN {
                 let what = format!("{} was asked at {asked:?} and not since", status.id);
                 return broken(Rule::AskedInTime, now, what).map(|()| judged);
             }
-            judged += 1;
+            judged += u64::from(!status.silent);
         }
         Ok(judged)
     }
