@@ -31,6 +31,8 @@ pub(crate) enum Sent {
     /// The setpoint; `None` for the neutral zero during a mode switch.
     Drive(Option<Setpoint>),
     Query(SendContext),
+    /// A query in the place of a drive frame. Queries that have waited go after it as after a drive frame.
+    LoopQuery(SendContext),
 }
 
 /// Rates and limits that apply to the next frame.
@@ -143,7 +145,7 @@ pub(crate) fn next_request(
                 // Every reply names the loop.
                 Request::Query { id }
             };
-            (request, control, Sent::Query(context))
+            (request, control, Sent::LoopQuery(context))
         }
         (control, _) => {
             let mut context = context;

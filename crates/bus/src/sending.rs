@@ -267,7 +267,7 @@ impl Bus {
                             _ => {}
                         }
                     }
-                    Sent::Query(context) => {
+                    Sent::Query(context) | Sent::LoopQuery(context) => {
                         motor.query_sent(now, context.query_period, context.others_driven);
                     }
                 }

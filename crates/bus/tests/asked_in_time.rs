@@ -3,12 +3,12 @@
 
 mod fixture;
 
-use std::time::Duration;
+use std::{iter, time::Duration};
 
-use fixture::{Fixture, ID, driven_models, longest_gap, ms, rpm};
+use fixture::{Fixture, ID, amps, driven_models, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Consent, Event, StopReason};
-use motorlink_protocol::{Instant, family::Model};
-use motorlink_simulator::WireFaults;
+use motorlink_protocol::{Instant, Mode, family::Model};
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 fn losing(share: f64) -> WireFaults {
     WireFaults {
@@ -145,5 +145,47 @@ fn a_motor_that_was_stopped_on_a_lossy_line_is_asked_five_times_a_second() {
                 );
             }
         }
+    }
+}
+
+/// The adapter holds replies until their windows are over. So the driven motor has not named its loop in time, and is
+/// asked for it in the place of each drive frame; at this rate one is always due.
+#[test]
+fn a_motor_beside_one_that_names_its_loop_too_late_is_asked_four_times_a_second() {
+    let motors = [ID, id(2)];
+    // Another phase of the schedule.
+    for phase in 0..20 {
+        let mut fixture = Fixture::watching(WorldConfig::of(Model::Ddsm115, motors), &motors);
+        at_rate(&mut fixture, 200);
+        fixture
+            .command(Command::SwitchMode {
+                id: id(2),
+                mode: Mode::Current,
+            })
+            .unwrap();
+        fixture.run(ms(600));
+        fixture
+            .command(Command::Drive {
+                id: id(2),
+                setpoint: amps(0.4),
+                consent: Consent::None,
+            })
+            .unwrap();
+        fixture.run(ms(200 + phase));
+        fixture.world.set_faults(WireFaults {
+            hold: ms(16),
+            ..WireFaults::default()
+        });
+        fixture.forget_the_past();
+        let from = fixture.now;
+        fixture.run(ms(3_000));
+        let asked = fixture
+            .sent
+            .iter()
+            .filter(|sent| sent.frame.bytes()[0] == ID.get())
+            .map(|sent| sent.at);
+        let ends: Vec<Instant> = iter::once(from).chain(asked).chain([fixture.now]).collect();
+        let gap = longest_gap(&ends);
+        assert!(gap <= ms(250), "phase {phase}: {gap:?}");
     }
 }
