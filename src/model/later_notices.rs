@@ -1,4 +1,5 @@
-//! The texts of notices that come only while a motor is driven or a line fails. They load with a later part.
+//! The texts of notices that come only after a while: a motor is driven, a line fails, a scan ends. They load with a
+//! later part.
 
 use std::cell::Cell;
 
@@ -8,12 +9,16 @@ use motorlink_messages::{LineError, Notice};
 use crate::model::{
     help_topic::HelpTopic,
     notice_board::{NoticeText, Tone, Topic},
+    scan_texts,
 };
 
 type Texts = fn(&Notice) -> Option<NoticeText>;
 
 thread_local! {
-    static LOADED: Cell<Option<Texts>> = const { Cell::new(None) };
+    static LOADED: Cell<Option<Texts>> = const {
+        // Native tests load no parts.
+        Cell::new(if cfg!(test) { Some(of_notice) } else { None })
+    };
 }
 
 /// Called by the part that has the texts.
@@ -38,6 +43,19 @@ fn of_notice(notice: &Notice) -> Option<NoticeText> {
             )],
         )),
         Notice::LineError { error, count } => Some(of_line_error(*error, *count)),
+        Notice::ScanEnded(report) => Some(scan_texts::of_scan(report)),
+        Notice::IdChangeEnded { from, to, outcome } => {
+            Some(scan_texts::of_id_change(*from, *to, *outcome))
+        }
+        Notice::AnswersInJson => Some(NoticeText::new(
+            Topic::Line,
+            Tone::Warning,
+            tr!("The driver board answers in JSON"),
+            &[tr!(
+                "Set the switch of the DDSM Driver HAT away from ESP32: then USB reaches the motors \
+                 directly."
+            )],
+        )),
         _ => None,
     }
 }

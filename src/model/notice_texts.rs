@@ -46,10 +46,6 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             | IdQueryOutcome::Garbled
             | IdQueryOutcome::Cancelled),
         ) => scan_texts::of_id_query(*outcome),
-        Notice::ScanEnded(report) => scan_texts::of_scan(report),
-        Notice::IdChangeEnded { from, to, outcome } => {
-            scan_texts::of_id_change(*from, *to, *outcome)
-        }
         Notice::ModeSwitchFailed {
             id,
             asked,
@@ -64,15 +60,6 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             tr!("Motor of another model"),
             &[&terms::other_model(*expected, *found)],
         ),
-        Notice::AnswersInJson => NoticeText::new(
-            Topic::Line,
-            Tone::Warning,
-            tr!("The driver board answers in JSON"),
-            &[tr!(
-                "Set the switch of the DDSM Driver HAT away from ESP32: then USB reaches the motors \
-                 directly."
-            )],
-        ),
         Notice::MotorSilent { id, garbled } => {
             of_silence(&affected::silent(session, *id), *garbled)
         }
@@ -84,7 +71,11 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             tr!("Adapter reconnected"),
             &[tr!("No motor starts until you press Start.")],
         ),
-        Notice::NotRemembered | Notice::LineError { .. } => later_notices::if_loaded(notice)?,
+        Notice::NotRemembered
+        | Notice::LineError { .. }
+        | Notice::ScanEnded(_)
+        | Notice::IdChangeEnded { .. }
+        | Notice::AnswersInJson => later_notices::if_loaded(notice)?,
         // Other parts of the page show these.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }

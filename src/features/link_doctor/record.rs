@@ -210,8 +210,8 @@ impl Record {
                     Motion::Unclear => {}
                 }
             }
-            match now.id {
-                Some(id) => findings.motors.push(MotorFindings {
+            if let Some(id) = now.id {
+                findings.motors.push(MotorFindings {
                     id,
                     recent,
                     heard,
@@ -220,12 +220,11 @@ impl Record {
                     loss_per_mille: now.loss_per_mille,
                     standing,
                     turning,
-                }),
-                None => {
-                    findings.foreign = recent.foreign;
-                    findings.levels = recent.levels;
-                    findings.blocks = recent.blocks;
-                }
+                });
+            } else {
+                findings.foreign = recent.foreign;
+                findings.levels = recent.levels;
+                findings.blocks = recent.blocks;
             }
         }
         findings

@@ -133,13 +133,12 @@ impl Adapter {
     pub fn plug(&mut self) -> Result<()> {
         ensure!(!self.plugged, "{} is plugged already", self.name);
         let node = self.dir.join("node");
-        match &mut self.motors {
-            Some(motors) => _ = motors.send_command("plug")?,
-            None => {
-                let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
-                self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
-                self.logs.push(log);
-            }
+        if let Some(motors) = &mut self.motors {
+            motors.send_command("plug")?;
+        } else {
+            let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
+            self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
+            self.logs.push(log);
         }
         let hidden = self.udev_dir.join(format!(".{}", self.name));
         // The node is given by its own path, as by udev. The link only serves to find it.
