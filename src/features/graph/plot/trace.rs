@@ -190,7 +190,7 @@ impl Traces {
 mod tests {
     use motorlink_messages::protocol::{
         Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Instant, Mode, MotorId,
-        Position, PositionTarget, Reply, Rpm, SpeedTarget,
+        PositionTarget, Reply, Rpm, SpeedTarget,
     };
 
     use super::*;
