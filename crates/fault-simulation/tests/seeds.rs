@@ -15,7 +15,7 @@ const SEEDS_OF_OTHERS: u64 = 100;
 /// So many kinds of fault there are.
 const KINDS: usize = 33;
 /// Each fault happens, and each rule has something to judge, at least so often.
-const EACH: u64 = 50;
+const EACH: u64 = 25;
 
 /// Worlds know nothing of each other: one thread has the odd seeds, the other the even.
 const FIRST: [u64; 2] = [1, 2];

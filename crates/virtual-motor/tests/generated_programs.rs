@@ -97,6 +97,16 @@ impl Running {
         }
     }
 
+    /// Waits a moment for its end: a program that has finished may still hold the port.
+    fn ends(mut self) {
+        for _ in 0..100 {
+            if self.child.try_wait().is_ok_and(|ended| ended.is_some()) {
+                return;
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+
     fn interrupt(&self) {
         kill_process(Pid::from_child(&self.child), Signal::INT).unwrap();
     }
@@ -243,7 +253,7 @@ fn stopped_while_preparing(language: &dyn Language) {
         assert_stands_at(&mut motors, id, 211.0);
         assert!(running.said.contains(&format!("motor {id} stands")));
     }
-    drop(running);
+    running.ends();
 
     let mut running = start(language, &dir.path().join("stopped"), TURN, &motors, "1,2");
     for mode in ["position", "velocity", "position"] {

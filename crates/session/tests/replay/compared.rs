@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt::Debug};
 
-use motorlink_bus::{Activity, Counters, LineStatus, MotorStatus};
+use motorlink_bus::{Activity, Counters, LineStatus, LinkQuality, MotorStatus, RoundTripStatus};
 use motorlink_protocol::Setpoint;
 
 use crate::{driver::Replay, live::Shown};
@@ -39,12 +39,17 @@ pub fn differences(file: &[u8], shown: &[Shown]) -> Differences {
             note("position", &a.position, &b.position);
             note("temperature", &a.temperature, &b.temperature);
             note("silent", &a.silent, &b.silent);
-            note("link", &a.link, &b.link);
+            note("link", &timed_at_the_log(a.link), &timed_at_the_log(b.link));
             note("counters", &recorded(a.counters), &recorded(b.counters));
         }
         let known = |line: LineStatus| LineStatus {
             unaddressed: recorded(line.unaddressed),
             carries_hz: None,
+            // As `timed_at_the_log`; the pauses between exchanges follow from the round trip.
+            round_trip: RoundTripStatus::default(),
+            late_hz: 0,
+            exchanges_hz: 0,
+            other_per_mille: 0,
             ..line
         };
         note("line", &known(live.line), &known(line));
@@ -59,6 +64,15 @@ fn noticed(activity: Activity) -> Activity {
         Activity::Stopping { confirmed: false }
     } else {
         activity
+    }
+}
+
+/// The log has the time at which the bus took a reply. The bus measures the round trip to its last byte, and may take it
+/// later: when the line is quiet, or at the end of the window.
+fn timed_at_the_log(link: LinkQuality) -> LinkQuality {
+    LinkQuality {
+        round_trip_us: None,
+        ..link
     }
 }
 
