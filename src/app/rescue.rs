@@ -75,7 +75,8 @@ pub(crate) fn be_ready(features: Features) {
         if is_open && !watched.get_value() {
             watched.set_value(true);
             let lost = move || {
-                if page.worker.state.get_untracked() == WorkerState::Running {
+                // A page that is gone has nothing to lose.
+                if page.worker.state.try_get_untracked() == Some(WorkerState::Running) {
                     features.worker_lost();
                 }
             };

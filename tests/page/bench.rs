@@ -41,6 +41,8 @@ const WORKER: &str = r"
         if (event.data === 'live?' || event.data.kept) bench.postMessage('up');
         else self.postMessage(event.data);
     };
+    // As the worker that owns the port does: the page takes it for dead once its lock is free.
+    if (self.name === 'worker') navigator.locks.request('worker ORIGIN', () => new Promise(() => {}));
     bench.postMessage('up');
 ";
 
@@ -74,7 +76,8 @@ impl Bench {
         });
         channel.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
-        let script = WORKER.replace("CHANNEL", name);
+        let origin = format!("{:.0}", performance().time_origin());
+        let script = WORKER.replace("CHANNEL", name).replace("ORIGIN", &origin);
         let kind = BlobPropertyBag::new();
         kind.set_type("text/javascript");
         let parts = Array::of1(&JsValue::from_str(&script));
