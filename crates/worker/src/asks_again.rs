@@ -18,7 +18,7 @@ pub(crate) struct AsksAgain {
 }
 
 impl AsksAgain {
-    /// The ID query has ended so. Returns whether the page is to be told: it knows already that nothing answers.
+    /// The ID query has ended so. Returns whether to tell the page: it may know already that nothing answers.
     pub(crate) fn ended(&mut self, now: Instant, outcome: IdQueryOutcome) -> bool {
         if outcome != IdQueryOutcome::NoReply {
             *self = Self::default();
@@ -31,7 +31,7 @@ impl AsksAgain {
         is_first
     }
 
-    /// Asks if it is time, and no motor has answered meanwhile. Returns when it is to be called again.
+    /// Asks if it is time, and no motor has answered meanwhile. Returns when to call it again.
     pub(crate) fn turn(&mut self, now: Instant, bus: &mut Bus) -> Option<Instant> {
         let at = self.at?;
         if now < at {

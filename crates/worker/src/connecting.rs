@@ -171,7 +171,7 @@ enum LeftMotors {
 #[derive(Clone, Copy, Debug)]
 struct Opened {
     generation: u32,
-    /// What is to be found out about the motors that were left driven.
+    /// What the worker finds out about the motors that were left driven.
     left: LeftOnTrial,
 }
 

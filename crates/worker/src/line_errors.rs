@@ -15,7 +15,7 @@ pub(crate) struct LineErrors {
 }
 
 impl LineErrors {
-    /// Counts one. Gives the number if the page is to be told now.
+    /// Counts one. Gives the number if the page must know now.
     pub(crate) fn count(&mut self, now: Instant) -> Option<u32> {
         self.count = self.count.saturating_add(1);
         let is_due = self.told.is_none_or(|told| now.since(told) >= TOLD_EVERY);

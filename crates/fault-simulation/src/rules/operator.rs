@@ -128,7 +128,7 @@ impl Operator {
         self.withdrawn_by_gap.remove(&id);
     }
 
-    /// No call reached the bus for a while: the motors had nothing to answer. Their silence counts anew.
+    /// No call reached the bus for a while: the motors had nothing to answer. Their silence counts from now on.
     pub(super) fn was_away(&mut self) {
         for reported in self.reported.values_mut() {
             reported.asked = 0;
