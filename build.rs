@@ -1,4 +1,4 @@
-//! Has the linker keep what `cargo xtask build` needs to split the page into parts.
+//! Makes the linker keep the relocations that `cargo xtask build` needs to split the page into lazy parts.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,10 +1,11 @@
-// Which adapter is this tab's, and what is driven on it: see claim.rs and memory.rs of the worker.
+// The adapter that this tab uses, and what is driven on it: see claim.rs and memory.rs of the worker.
 const none = { release() {} };
 let standing = Promise.resolve(none);
 
 const makeOf = (port) => Object.values(port.getInfo()).join(":");
 
-// The page learns by this lock that its worker has ended, however it ended: see rescue.rs. Held from the first port on.
+// The worker holds this lock from its first port on. When the lock is free, the page knows that the worker has
+// ended: see rescue.rs.
 let alive;
 const living = () => new Promise((held) => {
   const name = `worker ${Math.round(performance.timeOrigin)}`;
@@ -18,7 +19,8 @@ const lock = (name) => new Promise((give, fail) => {
   navigator.locks.request(name, { ifAvailable: true }, kept).catch(fail);
 });
 
-// Other tabs have some of these adapters, and nobody knows which: they are counted, while no other tab counts.
+// Other tabs use some of these adapters. The browser does not say which, so they are counted. The caller holds a
+// lock, so that only one tab counts at a time.
 async function take(make, adapters) {
   const prefix = `adapter ${make} `;
   const { held } = await navigator.locks.query();
@@ -30,7 +32,7 @@ async function take(make, adapters) {
   return release && { release, others: names.length };
 }
 
-// The file of another tab is not free: it stands for the other adapter.
+// Another tab holds its file open; that file belongs to another adapter.
 async function openIfFree(dir, name) {
   try {
     const file = await dir.getFileHandle(name, { create: true });
@@ -40,12 +42,12 @@ async function openIfFree(dir, name) {
   }
 }
 
-// A tab that crashed holds its file for a moment longer.
+// A crashed tab keeps its file locked for a moment.
 const BUSY_TRIES = 10;
 const BUSY_PAUSE_MS = 40;
 
-// What is driven on adapters of a make: one file of ours, and what the tabs that have ended left in theirs. So many
-// others are alive.
+// Opens the memory of what is driven on adapters with these USB ids: the file of this tab, and the files that ended
+// tabs left behind. `living` is the number of other tabs that use such adapters.
 async function openMemory(make, living) {
   const root = await navigator.storage.getDirectory();
   const dir = await root.getDirectoryHandle("motorlink-driven", { create: true });
@@ -72,10 +74,10 @@ async function openMemory(make, living) {
   const [own, ...others] = files;
   return {
     found,
-    // Synchronous: what is written survives the end of the process.
+    // Synchronous, so that the data survives the end of the process.
     write(bytes) {
       if (own.write(bytes, { at: 0 }) < bytes.length) return false;
-      // Ours has it all now.
+      // The own file now contains the data of the others.
       for (const file of others.splice(0)) {
         file.truncate(0);
         file.close();
@@ -88,7 +90,7 @@ async function openMemory(make, living) {
   };
 }
 
-// A browser whose files do not come is not waited for: a stop would wait too.
+// The longest wait for the files. A stop waits for them too.
 const MEMORY_WITHIN_MS = 500;
 
 function memoryOf(make, living) {
@@ -121,7 +123,7 @@ async function claim(held, place) {
   return { make, release, memory };
 }
 
-// Gives false where other tabs have all adapters of that make, else what remembers what is driven, if anything does.
+// Gives false if other tabs use all adapters with these USB ids. Else gives the memory of what is driven, or null.
 self.claimAdapter = async (place) => {
   const claimed = standing.then((held) => claim(held, place)).catch(() => none);
   standing = claimed.then((held) => held ?? none);

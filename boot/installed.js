@@ -1,7 +1,6 @@
-// What a page needs that is to work without a network and can be installed. The Rust code calls
-// `keepOffline` when the page works, `takeNewVersion` and `installPage` when a person presses so, and hears
-// of all that happens by one event: see installation.rs and new_version.rs. None of it may fail aloud: the
-// page works without.
+// Offline use and installation of the page. The Rust code calls `keepOffline` when the page has started, and
+// `takeNewVersion` and `installPage` when a person presses the buttons. It listens to the event `installation`:
+// see installation.rs and new_version.rs. Errors are ignored, since the page works without these functions.
 
 const tell = (detail) => dispatchEvent(new CustomEvent("installation", { detail }));
 
@@ -13,7 +12,7 @@ let controlled = false;
 let looked = performance.now();
 
 function announce() {
-  // The first of all is waiting for a moment too, but replaces nothing.
+  // The first service worker also waits for a moment, but it replaces none.
   if (registration.waiting && registration.active) tell("new-version");
 }
 
@@ -35,7 +34,7 @@ async function register() {
   watch(registration.installing);
   registration.addEventListener("updatefound", () => watch(registration.installing));
   navigator.serviceWorker.addEventListener("message", ({ data }) => tell(data));
-  // The first of all takes a page over too, which has the same files.
+  // The first service worker also takes control of the page, which already has the same files.
   controlled = navigator.serviceWorker.controller !== null;
   navigator.serviceWorker.addEventListener("controllerchange", () => {
     if (controlled) tell("taken");
@@ -47,9 +46,9 @@ async function register() {
 }
 
 globalThis.keepOffline = () => {
-  // The browser may have offered it before anybody listened.
+  // The browser may have offered the installation before the Rust code listened.
   if (prompt) tell("installable");
-  // Not while it is written: a change has to show at once.
+  // Not with `cargo xtask run`: a change must show at once.
   if ("{{kept}}" === "yes" && navigator.serviceWorker) register().catch(() => {});
 };
 
@@ -72,7 +71,7 @@ addEventListener("appinstalled", () => {
 });
 
 globalThis.installPage = () => {
-  // It can be shown once; if the user declines, the browser offers it again.
+  // The prompt can be shown once. If the user declines, the browser sends a new one.
   prompt?.prompt().catch(() => {});
   prompt = undefined;
   tell("not-installable");

@@ -1,5 +1,5 @@
-// Stands where a page is not kept, as while it is written (`cargo xtask run`): ends a service worker that a
-// release left at this address, which would go on serving that release.
+// Replaces the service worker with `cargo xtask run`, which stores no files for offline use. Removes the service
+// worker of a release at the same address, which would serve that release.
 
 async function leave() {
   const names = await caches.keys();

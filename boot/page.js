@@ -1,9 +1,9 @@
-// Starts the page. `cargo xtask build` fills in the names in double braces.
+// Starts the page. `cargo xtask build` replaces the names in double braces.
 
 const wasmUrl = new URL("./{{wasm}}", import.meta.url);
 
-// The policy in index.html lets markup and workers only through here: no element that could load or run
-// something, and no script but our own.
+// The Trusted Types policy that index.html requires for markup and workers. It refuses elements that can load or
+// run something, and scripts from other folders.
 const loads = /<\s*(script|iframe|frame|object|embed|base|meta|link|form)\b/i;
 globalThis.trustedTypes?.createPolicy("default", {
   createHTML: (html) => (loads.test(html) ? null : html),
@@ -16,8 +16,7 @@ globalThis.trustedTypes?.createPolicy("default", {
 
 let loaded = false;
 
-// Module, glue and words are all there is before the Rust code runs, so what goes wrong up to then
-// is told here or nowhere.
+// Shows an error that happens before the Rust code runs. Nothing else can show it then.
 function explain(error) {
   console.error(error);
   const words = document.createElement("p");
@@ -38,7 +37,7 @@ function explain(error) {
   document.body.replaceChildren(words);
 }
 
-// Compiled while it comes. A server that does not know what wasm is still serves the page.
+// Compiles while the file is loading. Servers that do not send the MIME type of wasm work too.
 async function compiled(fetched) {
   const response = await fetched;
   if (!response.ok) {
@@ -49,9 +48,9 @@ async function compiled(fetched) {
     : WebAssembly.compile(await response.arrayBuffer());
 }
 
-// What is seen first is in index.html. The program, thirty times as heavy, is fetched behind it: on a slow
-// line they would hold each other up. The glue weighs little, and on a slow processor it is ready by then. A
-// page that nobody sees is not painted, and a browser may not tell.
+// Waits for the first paint, which needs only index.html and its style. The wasm file is thirty times as large and
+// is fetched after that, since both would share a slow connection. A hidden page is not painted, and some browsers
+// do not report the paint: hence the other ways out.
 function firstPaint() {
   return new Promise((painted) => {
     if (document.hidden) painted();
@@ -61,7 +60,7 @@ function firstPaint() {
   });
 }
 
-// The style of all that is mounted later: with the program, which takes longer.
+// Fetches the style of what is shown later. It arrives before the wasm file, which is larger.
 function fetchLaterStyle() {
   const sheet = document.createElement("link");
   sheet.rel = "stylesheet";
@@ -70,9 +69,9 @@ function fetchLaterStyle() {
 }
 
 async function start() {
-  // An import in a try can be explained.
+  // A dynamic import, so that its error can be shown.
   const imported = import("./{{glue}}");
-  // Where it fails before it is awaited, it is explained once: below.
+  // An error before the await below is handled there, and only there.
   imported.catch(() => {});
   await firstPaint();
   fetchLaterStyle();
@@ -81,8 +80,8 @@ async function start() {
   await glue.default({ module_or_path: module });
 }
 
-// The parts of the page come one by one, each in a turn of its own: one that fails fails there. Until all are
-// there the frame of index.html is.
+// The page is mounted part by part, each in its own task, where an error does not reach the `catch` below. The
+// element `starting` of index.html is there until all parts are mounted.
 for (const kind of ["error", "unhandledrejection"]) {
   addEventListener(kind, ({ error, reason }) => {
     if (document.getElementById("starting")) explain(error ?? reason);

@@ -1,4 +1,4 @@
-// Instantiates a part of the page. A server that does not know what wasm is still serves it.
+// Instantiates a lazy part of the page. Servers that do not send the MIME type of wasm work too.
 async function instantiatePart(fetched, imports) {
   const response = await fetched;
   if (!response.ok) {

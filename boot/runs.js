@@ -1,4 +1,4 @@
-// Loads the program of the runs of experiments into the port worker: see runs.rs of the worker.
+// Loads the code that runs experiments into the port worker: see runs.rs of the worker.
 self.loadRuns = async () => {
   const glue = await import("./{{runs_glue}}");
   await glue.default({ module_or_path: fetch(new URL("./{{runs_wasm}}", import.meta.url)) });

@@ -1,14 +1,14 @@
-// Keeps all files of one version, so that the page starts and drives without a network. `cargo xtask build`
-// fills in what is in double braces.
+// Stores all files of one version, so that the page starts and drives without a network. `cargo xtask build`
+// replaces the names in double braces.
 
-// Their names change with what is in them: what is there under this name is right.
+// Files with a content hash in their name: a stored one is always right.
 const hashed = {{hashed}};
 
-// Name and content. A host may hand out this file of one version and those of another for a while; taken
-// for one version they would make a page that does not start.
+// Name and hash of the other files. During an update, a host may serve some files of the old version and some of
+// the new one. A page made of both would not start, so the hash is checked.
 const named = {{named}};
 
-// Other pages of this origin have caches too, and so has this page at another path.
+// Other pages of this origin have caches too, as has this page at another path. The prefix tells them apart.
 const ours = `motorlink ${registration.scope} `;
 const cacheName = `${ours}{{version}}`;
 
@@ -22,13 +22,13 @@ async function keep() {
     ...hashed.map((file) => new Request(file)),
     ...named.map(([file, integrity]) => new Request(file, { cache: "no-cache", integrity })),
   ];
-  // One after the other: nothing waits for them, and a page in use has the line. `addAll`
-  // would ask for all at once, and read none before the last has begun to come: small hosts stop at that.
+  // One after the other: nothing waits for them, and the page itself needs the connection. `addAll` requests all
+  // files at once and reads none before the last response has begun; small hosts fail at that.
   for (const request of requests) await cache.add(request);
 }
 
-// The old files are not needed: a version is taken while a single tab is open, which then reloads, or
-// between two visits.
+// Deletes the old files. No page uses them: a new version takes over while one tab is open, which then reloads, or
+// while none is open.
 async function takeOver() {
   const names = await caches.keys();
   const old = names.filter((name) => name.startsWith(ours) && name !== cacheName);
@@ -38,12 +38,12 @@ async function takeOver() {
 
 async function answer(href, request) {
   const cache = await caches.open(cacheName);
-  // A browser may throw a cache away: then it is as without one.
+  // The browser may delete a cache. Then the file comes from the network.
   return (await cache.match(href, { ignoreVary: true })) ?? fetch(request);
 }
 
-// Another tab may drive, or load a file of its own version later; and what the versions write into the
-// browser's storage may differ. So there is one version at a time.
+// Takes the new version only if a single tab is open. Another tab may be driving a motor, may load a file of its
+// own version later, and may write another format into the browser's storage.
 async function take(asking) {
   const tabs = await clients.matchAll({ type: "window", includeUncontrolled: true });
   if (tabs.filter(({ url }) => url.startsWith(registration.scope)).length > 1) {

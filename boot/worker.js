@@ -1,14 +1,14 @@
-// Starts a worker. `cargo xtask build` fills in the names in double braces.
+// Starts a worker. `cargo xtask build` replaces the names in double braces.
 
-// A module worker gets its messages from its first await on, and one that nobody listens to is
-// lost. Keep what the page says before the Rust code listens.
+// A module worker receives messages from its first `await` on, and a message without a listener is lost. These are
+// the messages that arrive before the Rust code listens.
 const early = [];
 const keep = (event) => early.push(event);
 self.addEventListener("message", keep);
 
 async function start() {
   const program = fetch(new URL("./{{wasm}}", import.meta.url));
-  // Where it fails before it is awaited, it is reported once: below.
+  // An error before the await below is reported there, and only there.
   program.catch(() => {});
   const glue = await import("./{{glue}}");
   await glue.default({ module_or_path: program });
@@ -18,6 +18,5 @@ async function start() {
   }
 }
 
-// A rejected promise would stay inside the worker; a reported error reaches the page's `error`
-// event on its Worker.
+// A rejected promise stays inside the worker. A reported error reaches the `error` event of the page's Worker.
 start().catch((error) => self.reportError(error));
