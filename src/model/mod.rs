@@ -42,3 +42,4 @@ pub(crate) mod snapshot;
 pub(crate) mod tab;
 pub(crate) mod terms;
 pub(crate) mod tool_entry;
+pub(crate) mod vehicle;

@@ -12,6 +12,7 @@
 //! | [`study`] | what is asked of a motor: its sequence, and the figures of a run of it |
 //! | [`chart`] | charts of findings, as data and as SVG |
 //! | [`kept`] | a run that is kept, and its exports |
+//! | [`vehicle`] | a vehicle on hub motors: its measures, its wheels, its motion from their speeds |
 //! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example
@@ -37,3 +38,4 @@ pub mod plan;
 pub mod runner;
 pub mod sequence;
 pub mod study;
+pub mod vehicle;

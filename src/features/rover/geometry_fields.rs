@@ -7,8 +7,8 @@ use crate::{
     features::rover::{
         geometry::{RADIUS, TRACK},
         state::Rover,
-        vehicle::Vehicle,
     },
+    model::vehicle::vehicle_of,
     ui::{
         number_field::NumberField,
         reactive::{dynamic, memo},
@@ -19,7 +19,7 @@ use crate::{
 #[component]
 pub(crate) fn GeometryFields(rover: Rover) -> impl IntoView {
     let names = rover.page.motors.names;
-    let is_vehicle = memo(move || names.with(|names| Vehicle::of(names).is_some()));
+    let is_vehicle = memo(move || names.with(|names| vehicle_of(names).is_some()));
     view! {
         <div class="rover-measures" hidden=dynamic(move || !is_vehicle.get())>
             <NumberField

@@ -1,11 +1,9 @@
 //! The motion of the vehicle from the ways of its wheels: a differential drive, whose wheels roll and do not slip.
 
+use motorlink_messages::experiments::vehicle::{Geometry, Vehicle, Wheel};
+
 use crate::{
-    features::rover::{
-        geometry::Geometry,
-        vehicle::{Vehicle, Wheel},
-        wheel_track::{GAP_OVER_US, Link, Report, WheelTrack},
-    },
+    features::rover::wheel_track::{GAP_OVER_US, Link, Report, WheelTrack},
     ui::mathematics::sin_cos,
 };
 

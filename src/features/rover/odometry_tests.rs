@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::features::rover::vehicle::tests::names;
+use crate::model::vehicle::{tests::names, vehicle_of};
 
 const MS: u64 = 1_000;
 const RADIUS: f64 = 50.0;
@@ -9,7 +9,7 @@ const TRACK: f64 = 300.0;
 
 /// A vehicle with two or more wheels: 0, 2, .. on the left and 1, 3, .. on the right.
 fn odometer(wheels: u8) -> Odometer {
-    let vehicle = Vehicle::of(&names(wheels)).unwrap();
+    let vehicle = vehicle_of(&names(wheels)).unwrap();
     Odometer::new(&vehicle, Geometry::new(50, 300).unwrap())
 }
 

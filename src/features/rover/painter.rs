@@ -2,20 +2,19 @@
 
 use motorlink_messages::{
     bus::Activity,
+    experiments::vehicle::{Geometry, Motion, Vehicle, Wheel},
     protocol::{MotorId, Setpoint},
 };
 use web_sys::Element;
 
 use crate::{
     features::rover::{
-        geometry::Geometry,
-        motion::Motion,
+        arrow::arrow,
         picture::{BAR_MM_PER_RPM, Scale},
         readings::{Card, card},
         texts::Figures,
         tread,
         trip::Trip,
-        vehicle::{Vehicle, Wheel},
     },
     model::snapshot::{Reading, Session},
     ui::{
@@ -146,7 +145,7 @@ impl Painter {
         let motion = |rpm: &[_]| Motion::of(&self.vehicle, self.geometry, rpm);
         let (measured, commanded) = (motion(&measured), motion(&commanded));
         let arrow = |motion: Option<Motion>| {
-            let arrow = motion.map(|motion| motion.arrow(self.geometry, self.scale.nose));
+            let arrow = motion.map(|motion| arrow(motion, self.geometry, self.scale.nose));
             arrow.unwrap_or_default()
         };
         let (arrow_measured, arrow_commanded) = (arrow(measured), arrow(commanded));

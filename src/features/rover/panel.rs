@@ -4,16 +4,16 @@ use std::{cell::RefCell, rc::Rc};
 
 use leptos::{html, prelude::*};
 use motorlink_i18n::tr;
+use motorlink_messages::experiments::vehicle::{Geometry, Vehicle};
 use web_sys::Element;
 
 use crate::{
     features::rover::{
-        geometry::Geometry,
         painter::Painter,
         picture::{Scale, cards, picture},
         state::Rover,
-        vehicle::Vehicle,
     },
+    model::vehicle::vehicle_of,
     ui::{
         animation::{Frames, Next},
         button::PressButton,
@@ -60,7 +60,7 @@ fn frame() -> String {
 pub(crate) fn RoverPanel(rover: Rover) -> impl IntoView {
     let page = rover.page;
     let panel = NodeRef::<html::Section>::new();
-    let vehicle = memo(move || page.motors.names.with(Vehicle::of));
+    let vehicle = memo(move || page.motors.names.with(vehicle_of));
     let is_single = move || rover.is_single.get();
     let label = move || {
         let single = if is_single() {

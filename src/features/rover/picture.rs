@@ -4,17 +4,10 @@
 use std::fmt::Write;
 
 use motorlink_i18n::tr;
+use motorlink_messages::experiments::vehicle::{Geometry, Place, Vehicle, Wheel};
 
-use crate::{
-    features::rover::{
-        geometry::Geometry,
-        vehicle::{Place, Vehicle, Wheel},
-    },
-    ui::escape::escaped,
-};
+use crate::ui::escape::escaped;
 
-/// The width of a tyre, in wheel radii: 41 mm for a radius of 51 mm.
-const TYRE_WIDTH: f64 = 0.8;
 /// Length of a bar beside a wheel, in mm per rpm.
 pub(crate) const BAR_MM_PER_RPM: f64 = 0.5;
 
@@ -34,7 +27,7 @@ pub(crate) struct Scale {
 impl Scale {
     pub(crate) fn of(vehicle: &Vehicle, geometry: Geometry) -> Self {
         let radius = geometry.radius_mm();
-        let half_tyre = radius * TYRE_WIDTH / 2.0;
+        let half_tyre = geometry.tyre_mm() / 2.0;
         let wheels = vehicle.base_mm(geometry) / 2.0 + radius;
         let nose = wheels.max(geometry.track_mm() * 0.45);
         let half = 1.5 * nose.max(geometry.track_mm() / 2.0 + radius);
@@ -203,10 +196,10 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::features::rover::vehicle::tests::names;
+    use crate::model::vehicle::{tests::names, vehicle_of};
 
     fn of(count: u8) -> (Vehicle, Geometry) {
-        (Vehicle::of(&names(count)).unwrap(), Geometry::default())
+        (vehicle_of(&names(count)).unwrap(), Geometry::default())
     }
 
     fn classes(markup: &str) -> BTreeSet<&str> {
@@ -251,7 +244,7 @@ mod tests {
         names.change(crate::model::scan_texts::tests::id(1), |member| {
             member.set_name("<b>\"Left\"");
         });
-        let html = cards(&Vehicle::of(&names).unwrap());
+        let html = cards(&vehicle_of(&names).unwrap());
         assert!(html.contains("&lt;b&gt;&quot;Left&quot;"), "{html}");
     }
 

@@ -1,14 +1,18 @@
 //! What a person sets, and the way of the vehicle. It lasts as long as the page, also when the language changes.
 
 use leptos::prelude::*;
-use motorlink_messages::protocol::Instant;
+use motorlink_messages::{
+    experiments::vehicle::{Geometry, Vehicle},
+    protocol::Instant,
+};
 
 use crate::{
-    features::rover::{geometry::Geometry, trip::Trip, vehicle::Vehicle},
+    features::rover::trip::Trip,
     model::{
         history::ZERO_US,
         page::Page,
         preferences::{remember, remembered},
+        vehicle::{geometry_of_page, save, vehicle_of},
     },
     ui::target::Target,
 };
@@ -37,21 +41,20 @@ impl Rover {
     pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
-                let new = Self::new(page);
+                let new = Self::new(page, geometry_of_page(owner));
                 provide_context(new);
                 new
             })
         })
     }
 
-    fn new(page: Page) -> Self {
-        let geometry = Geometry::load();
-        let [radius, track] = geometry.entered();
+    fn new(page: Page, geometry: RwSignal<Geometry>) -> Self {
+        let [radius, track] = geometry.get_untracked().entered();
         Self {
             page,
             radius: Target::new(radius),
             track: Target::new(track),
-            geometry: RwSignal::new(geometry),
+            geometry,
             is_single: RwSignal::new(remembered(VIEW_STORED_AS).as_deref() == Some(SINGLE)),
             trip: StoredValue::new_local(Trip::default()),
         }
@@ -61,7 +64,7 @@ impl Rover {
     pub(crate) fn measure(self) {
         let entered = (self.radius.get_untracked(), self.track.get_untracked());
         if let Some(geometry) = Geometry::new(entered.0, entered.1) {
-            geometry.save();
+            save(geometry);
             self.geometry.set(geometry);
         }
     }
@@ -83,7 +86,7 @@ impl Rover {
     }
 
     pub(crate) fn vehicle(self) -> Option<Vehicle> {
-        self.page.motors.names.with_untracked(Vehicle::of)
+        self.page.motors.names.with_untracked(vehicle_of)
     }
 
     /// Counts the new replies.

@@ -1,11 +1,9 @@
 //! The motion and the path of the vehicle as text.
 
 use motorlink_i18n::{terms::in_language, tr};
+use motorlink_messages::experiments::vehicle::Motion;
 
-use crate::{
-    features::rover::motion::Motion,
-    ui::{format::UNKNOWN, mathematics::modulo},
-};
+use crate::ui::{format::UNKNOWN, mathematics::modulo};
 
 /// The figures below the drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,14 +3,15 @@
 //! The history has every reply of the last ten minutes. So the path is complete also after the page was hidden and
 //! drew nothing.
 
-use motorlink_messages::protocol::Instant;
+use motorlink_messages::{
+    experiments::vehicle::{Geometry, Vehicle},
+    protocol::Instant,
+};
 
 use crate::{
     features::rover::{
-        geometry::Geometry,
         odometry::{Odometer, Pose},
         path::Path,
-        vehicle::Vehicle,
         wheel_track::Report,
     },
     model::{
