@@ -13,7 +13,7 @@
 //! | [`chart`] | charts of findings, as data and as SVG |
 //! | [`kept`] | a run that is kept, and its exports |
 //! | [`vehicle`] | a vehicle on hub motors: its measures, its wheels, its motion from their speeds |
-//! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
+//! | [`generate`] | a sequence as a program: Python, Arduino; a vehicle as a robot for ROS 2 |
 //!
 //! # Example
 //!

@@ -13,16 +13,13 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
-    sync::{
-        Mutex, PoisonError,
-        mpsc::{Receiver, channel},
-    },
+    sync::mpsc::{Receiver, channel},
     thread,
     time::{Duration, Instant},
 };
 
 use motorlink_experiments::{
-    generate::{Program as Generated, Ros2, arduino, python, ros2, rust},
+    generate::{Program as Generated, arduino, python},
     plan::{Fleet, Plan},
     sequence::{Sequence, Template},
 };
@@ -278,7 +275,7 @@ fn says_what_a_failure_leaves(language: &dyn Language) {
     let dir = tempfile::tempdir().unwrap();
     let motors = Program::start(&["--ids", "1"]);
     drop(start(language, dir.path(), LONG, &motors, "1"));
-    let sources = ["sequence.py", "sequence.cpp", "src/main.rs"];
+    let sources = ["sequence.py", "sequence.cpp"];
     let mut sources = sources
         .iter()
         .filter_map(|it| fs::read_to_string(dir.path().join(it)).ok());
@@ -335,44 +332,6 @@ impl Language for Arduino {
     }
 }
 
-struct Rust;
-
-impl Language for Rust {
-    fn command(&self, dir: &Path, generated: &Generated<'_>, _: &Path) -> Command {
-        let files = rust(generated);
-        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        let protocol = crates.join("protocol");
-        // The library is not published yet; the generated manifest is used as it is otherwise.
-        let patch = format!(
-            "\n[patch.crates-io]\nmotorlink-protocol = {{ path = \"{}\" }}\n\n[workspace]\n",
-            protocol.display()
-        );
-        fs::create_dir_all(dir.join("src")).unwrap();
-        fs::write(dir.join("Cargo.toml"), files.manifest + &patch).unwrap();
-        fs::write(dir.join("src/main.rs"), files.main).unwrap();
-        // The same versions as everything here, which are on this machine.
-        fs::copy(crates.join("../Cargo.lock"), dir.join("Cargo.lock")).unwrap();
-        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("generated");
-        // The tests share the built dependencies, and every program has the same name there: a test
-        // that builds now would replace the one that is copied below.
-        static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-        let _one = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo
-            .args(["build", "--quiet", "--offline"])
-            .current_dir(dir);
-        cargo
-            .env("CARGO_TARGET_DIR", &target)
-            .env_remove("RUSTFLAGS");
-        tools::run(&mut cargo, "cargo cannot be started");
-        let program = dir.join("program");
-        fs::copy(target.join("debug/sequence"), &program).unwrap();
-        let mut command = Command::new(program);
-        command.arg("--yes");
-        command
-    }
-}
-
 #[test]
 fn the_python_program_drives_and_stops() {
     drives_and_stops(&Python(tools::python()));
@@ -391,38 +350,8 @@ fn the_arduino_sketch_stopped_while_it_prepares_turns_no_wheel() {
 }
 
 #[test]
-fn the_rust_program_stopped_while_it_prepares_turns_no_wheel() {
-    stopped_while_preparing(&Rust);
-    says_what_a_failure_leaves(&Rust);
-}
-
-#[test]
 fn the_arduino_sketch_drives_and_stops() {
     drives_and_stops(&Arduino);
-}
-
-#[test]
-fn the_rust_program_drives_and_stops() {
-    drives_and_stops(&Rust);
-}
-
-#[test]
-fn the_setup_for_ros_2_is_well_formed_and_names_what_the_driver_reads() {
-    let dir = tempfile::tempdir().unwrap();
-    let files = ros2(&Ros2 {
-        port: "/dev/ttyUSB0",
-        left: id(1),
-        right: id(2),
-        wheel_separation_m: 0.3,
-        wheel_radius_m: 0.0503,
-        rpm_max: 200.0,
-    });
-    fs::write(dir.path().join("controllers.yaml"), files.controllers_yaml).unwrap();
-    fs::write(dir.path().join("robot.urdf"), files.urdf).unwrap();
-    let check = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/generated/check_ros2.py");
-    let mut command = Command::new(tools::python());
-    command.arg(check).arg(dir.path());
-    tools::run(&mut command, "python cannot be started");
 }
 
 #[test]

@@ -89,7 +89,7 @@ pub enum Command {
         #[arg(long, value_name = "RULE")]
         rule: Option<String>,
     },
-    /// Measure the figures of crates/experiments on virtual motors, and run the generated programs
+    /// Measure the figures of crates/experiments on virtual motors, run the generated programs, check the files of a robot
     Experiments,
     /// Run mutation tests on the protocol, the safety code of the bus and the decoder of saved sessions; fail if a mutant survives without a reason
     Mutants {

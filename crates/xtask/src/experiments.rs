@@ -9,7 +9,7 @@ use crate::workspace::Workspace;
 /// Worlds with random sequences. A thousand take a minute and a half on two cores.
 const SEQUENCE_SEEDS: &str = "10000";
 
-/// Prints a row for each figure, and runs the generated programs.
+/// Prints a row for each figure, runs the generated programs, and checks the files of a robot.
 pub fn show(workspace: &Workspace) -> Result<()> {
     let figures = ["--test", "figures", "--", "--ignored", "--nocapture"];
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
@@ -20,6 +20,10 @@ pub fn show(workspace: &Workspace) -> Result<()> {
     let mut sequences = cargo::command(workspace, &sequences);
     process::run(sequences.env("SEQUENCE_SEEDS", SEQUENCE_SEEDS))?;
     let package = ["test", "--package", "virtual-motor"];
-    let programs = [&package[..], &["--test", "generated_programs"]].concat();
+    let programs = [
+        &package[..],
+        &["--test", "generated_programs", "--test", "ros2_files"],
+    ]
+    .concat();
     process::run(&mut cargo::command(workspace, &programs))
 }

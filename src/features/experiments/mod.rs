@@ -14,7 +14,7 @@
 //! | `chart` | the curves of a plan and of its run |
 //! | `kept` | the runs that the browser keeps |
 //! | `results` | charts and figures of runs, and the tab Runs |
-//! | `code` | the tab Code: a sequence as a program |
+//! | `code` | the tab Code: a sequence as a program, a rover as a robot for ROS 2 |
 //! | `texts` | errors, refusals and ends in words |
 
 mod actions;

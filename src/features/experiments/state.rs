@@ -9,6 +9,7 @@ use motorlink_messages::{
         runner::{Options, Phase},
         sequence::{RunLimits, Sequence, SequenceError, Template},
         study::{Study, StudyKind},
+        vehicle::Geometry,
     },
     runs::RunState,
 };
@@ -24,6 +25,7 @@ use crate::{
         page::Page,
         preferences::{remember, remembered},
         snapshot::Session,
+        vehicle::geometry_of_page,
     },
     ui::reactive::{effect, memo},
 };
@@ -200,6 +202,8 @@ pub(crate) struct State {
     /// Rises when the curves have changed.
     pub(super) live_drawn: RwSignal<u32>,
     pub(super) fleet: Memo<Fleet>,
+    /// The measures of the rover.
+    pub(super) geometry: RwSignal<Geometry>,
     /// Computed only when the question or the motors change: a long table takes a while.
     pub(super) checked: RwSignal<Checked>,
 }
@@ -235,6 +239,7 @@ impl Experiments {
                     live: StoredValue::new_local(Live::default()),
                     live_drawn: RwSignal::new(0),
                     fleet: memo(move || fleet(page)),
+                    geometry: geometry_of_page(owner),
                     checked: RwSignal::new(None),
                 })));
                 effect(move || new.checked.set(new.plan()));

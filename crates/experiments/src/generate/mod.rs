@@ -1,4 +1,4 @@
-//! Generates standalone programs from a sequence, and a setup for ROS 2.
+//! Generates standalone programs from a sequence, and the files of a robot for ROS 2.
 //!
 //! Each program asks before it moves anything. It sends setpoints as the runner does, and checks the limits of the
 //! run, faults and silence. At its end, on an error and on Ctrl-C it stops every motor: it switches to the velocity
@@ -9,16 +9,12 @@ mod rows;
 
 use std::fmt::Write;
 
-use motorlink_protocol::Mode;
-
-pub use ros2::{Ros2, Ros2Files, ros2};
+pub use ros2::{Robot, RobotFiles, UnevenSides, ros2};
 
 use crate::plan::{Plan, PlanMotor};
 
 const PYTHON: &str = include_str!("program.py");
 const ARDUINO: &str = include_str!("program.ino");
-const RUST: &str = include_str!("program.rs.txt");
-const RUST_MANIFEST: &str = include_str!("Cargo.toml.txt");
 
 /// Time for one exchange with a motor, which takes 2.4 ms, with a margin for a slow adapter.
 const EXCHANGE_MS: usize = 4;
@@ -34,15 +30,6 @@ pub struct Program<'a> {
     pub name: &'a str,
     /// The serial port, such as `/dev/ttyUSB0`.
     pub port: &'a str,
-}
-
-/// A Rust program.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RustFiles {
-    /// `Cargo.toml`
-    pub manifest: String,
-    /// `src/main.rs`
-    pub main: String,
 }
 
 /// A Python program for `pyserial`.
@@ -85,30 +72,6 @@ pub fn arduino(program: &Program<'_>) -> String {
         &rows::arduino(program.plan),
         "-1",
     )
-}
-
-/// A Rust program on `motorlink-protocol` and `serialport`.
-#[must_use]
-pub fn rust(program: &Program<'_>) -> RustFiles {
-    let motors = program.plan.motors.iter().map(|motor| {
-        let mode = match motor.mode() {
-            Mode::OpenLoop => "OpenLoop",
-            Mode::Current => "Current",
-            Mode::Velocity => "Velocity",
-            Mode::Position => "Position",
-        };
-        format!("({}, Mode::{mode}, {}.0)", motor.id.get(), sign(motor))
-    });
-    RustFiles {
-        manifest: RUST_MANIFEST.to_owned(),
-        main: fill(
-            RUST,
-            program,
-            &lines(motors),
-            &rows::rust(program.plan),
-            "f64::INFINITY",
-        ),
-    }
 }
 
 /// The sign of speeds and currents on the wire.

@@ -150,7 +150,3 @@ pub(super) fn python(plan: &Plan) -> String {
 pub(super) fn arduino(plan: &Plan) -> String {
     table(plan, "{", "}")
 }
-
-pub(super) fn rust(plan: &Plan) -> String {
-    table(plan, "Row(", ")")
-}

@@ -13,15 +13,16 @@ const REQUIREMENTS: &str = concat!(
     "/tests/generated/requirements.txt"
 );
 /// The name of the environment, which changes with its packages.
-const ENVIRONMENT: &str = "python-pyserial-3.5-pyyaml-6.0.2-fastjsonschema-2.21.1";
+const ENVIRONMENT: &str = "python-pyserial-3.5-pyyaml-6.0.2-fastjsonschema-2.21.1-urdf-0.0.4";
 
-/// Runs a program to its end; `missing` is what to say where there is none.
-pub fn run(command: &mut Command, missing: &str) {
+/// Runs a program to its end, and returns what it prints; `missing` is what to say where there is none.
+pub fn run(command: &mut Command, missing: &str) -> String {
     let output = command
         .output()
         .unwrap_or_else(|error| panic!("{missing} ({error})"));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{command:?}: {said}");
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// A Python with the packages of `requirements.txt`, in an environment of its own.

@@ -1,13 +1,13 @@
-//! The tab `Code`: the sequence of the tab `Sequence` as a program, or the vehicle as a setup for ROS 2.
+//! The tab `Code`: the sequence of the tab `Sequence` as a program, or the rover as a robot for ROS 2.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     experiments::{
-        generate::{Program, Ros2, arduino, python, ros2, rust},
+        generate::{Program, Robot, UnevenSides, arduino, python, ros2},
         plan::Plan,
     },
-    protocol::{MotorId, family::Model},
+    protocol::family::Model,
 };
 use wasm_bindgen_futures::JsFuture;
 
@@ -17,7 +17,7 @@ use crate::{
         state::{Draft, Experiments},
         texts,
     },
-    model::names_and_sides::Side,
+    model::vehicle::vehicle_of,
     ui::{
         button::PressButton,
         reactive::{dynamic, handler},
@@ -26,34 +26,40 @@ use crate::{
 
 /// The port in the program. The user replaces it.
 const PORT: &str = "/dev/ttyUSB0";
-/// Distance between the wheels and their radius in the files for ROS 2, in m: those of the page's small rover. The user
-/// replaces them.
-const SEPARATION_M: f64 = 0.3;
-const RADIUS_M: f64 = 0.0503;
 
-/// A language.
+/// What is generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Code {
     Python,
     Arduino,
-    Rust,
     Ros2,
 }
 
 impl Code {
-    const ALL: [Self; 4] = [Self::Python, Self::Arduino, Self::Rust, Self::Ros2];
+    const ALL: [Self; 3] = [Self::Python, Self::Arduino, Self::Ros2];
 
     const fn name(self) -> &'static str {
         match self {
             Self::Python => "Python",
             Self::Arduino => "Arduino",
-            Self::Rust => "Rust",
             Self::Ros2 => "ROS 2",
+        }
+    }
+
+    /// What the files are.
+    fn advice(self) -> &'static str {
+        match self {
+            Self::Python | Self::Arduino => tr!(
+                "The sequence of the tab Sequence as a program. It asks before it moves anything, and stops the motors at its end, on an error and on Ctrl-C."
+            ),
+            Self::Ros2 => tr!(
+                "A robot for ROS 2 Humble and Jazzy, without the sequence: its description, the parameters of its drive, and a launch file. Wheels, names and measures are those of Drive together."
+            ),
         }
     }
 }
 
-/// The files of a program: names and contents. Or why there is none.
+/// The files: names and contents. Or why there are none.
 type Files = Result<Vec<(&'static str, String)>, String>;
 
 fn files(of: Experiments, code: Code) -> Files {
@@ -63,54 +69,44 @@ fn files(of: Experiments, code: Code) -> Files {
             tr!("The code is for the DDSM115. Choose that model in the settings.").to_owned(),
         );
     }
-    if code == Code::Ros2 {
-        return robot(of);
+    match code {
+        Code::Python => Ok(vec![("motorlink.py", program(of, python)?)]),
+        Code::Arduino => Ok(vec![("motorlink.ino", program(of, arduino)?)]),
+        Code::Ros2 => robot(of),
     }
-    let sequence = of.draft.with(Draft::sequence);
+}
+
+/// The sequence in one language.
+fn program(of: Experiments, language: fn(&Program<'_>) -> String) -> Result<String, String> {
     let refused = |error| texts::refused(&error, None);
+    let sequence = of.draft.with(Draft::sequence);
     let mut sequence = sequence.map_err(refused)?;
     sequence.limits = of.limits(sequence.limits);
     let plan = of.fleet.with(|fleet| Plan::new(&sequence, fleet));
-    let plan = plan.map_err(refused)?;
-    let program = Program {
-        plan: &plan,
+    Ok(language(&Program {
+        plan: &plan.map_err(refused)?,
         name: &sequence.name,
         port: PORT,
-    };
-    Ok(match code {
-        Code::Python => vec![("motorlink.py", python(&program))],
-        Code::Arduino => vec![("motorlink.ino", arduino(&program))],
-        Code::Rust | Code::Ros2 => {
-            let files = rust(&program);
-            vec![("Cargo.toml", files.manifest), ("main.rs", files.main)]
-        }
-    })
+    }))
 }
 
-/// The first motor of each side.
+/// The rover of the page.
 fn robot(of: Experiments) -> Files {
-    let first = |side: Side| -> Option<MotorId> {
-        of.page.motors.names.with(|names| {
-            let mut members = names.members();
-            members.find(|(_, it)| it.side == side).map(|(id, _)| *id)
-        })
-    };
-    let (Some(left), Some(right)) = (first(Side::Left), first(Side::Right)) else {
-        let words = tr!("Set the sides of two motors first: one left, one right.");
-        return Err(words.to_owned());
-    };
-    let files = ros2(&Ros2 {
+    let vehicle = of.page.motors.names.with(vehicle_of);
+    let vehicle = vehicle.ok_or_else(|| {
+        tr!("Put the wheels into the group of Drive together and set their sides first.").to_owned()
+    })?;
+    let spec = of.page.model.get().spec();
+    let limit_rpm = f64::from(of.page.settings.speed_limit.get());
+    let files = ros2(&Robot {
+        vehicle: &vehicle,
+        geometry: of.geometry.get(),
         port: PORT,
-        left,
-        right,
-        wheel_separation_m: SEPARATION_M,
-        wheel_radius_m: RADIUS_M,
-        rpm_max: of.fleet.with(|fleet| fleet.rpm_max),
+        rpm_max: limit_rpm.min(spec.nominal.no_load_rpm.into()),
+        rpm_per_s_max: 1e6 / f64::from(spec.acceleration_us_per_rpm),
     });
-    Ok(vec![
-        ("controllers.yaml", files.controllers_yaml),
-        ("ros2_control.urdf", files.urdf),
-    ])
+    let uneven = |UnevenSides| tr!("ROS 2 needs as many wheels on the left as on the right.");
+    Ok(files.map_err(uneven)?.into())
 }
 
 /// The files below each other, each under its name if there are several.
@@ -176,9 +172,7 @@ pub(crate) fn CodeTab(of: Experiments) -> impl IntoView {
                 </select>
             </label>
             <p class="experiment-advice">
-                {tr!(
-                    "The sequence of the tab Sequence as a program. It asks before it moves anything, and stops the motors at its end, on an error and on Ctrl-C."
-                )}
+                {dynamic(move || chosen().advice())}
             </p>
             <div class="button-row">
                 <PressButton
