@@ -182,11 +182,15 @@ fn drives_and_stops(language: &dyn Language) {
     drive_and_stop(language);
 }
 
-/// A full run, one that is interrupted, one whose motor falls silent, and one in the current loop.
+/// A full run, one that is interrupted, one whose motor falls silent, and some in the current loop: with an adapter
+/// that sends back what it gets, too.
 fn drive_and_stop(language: &dyn Language) {
     let dir = tempfile::tempdir().unwrap();
-    let run = |name: &str, text: &str, ids: &str, act: &dyn Fn(&mut Program, &mut Running)| {
-        let mut motors = Program::start(&["--ids", ids]);
+    let run_on = |name: &str,
+                  text: &str,
+                  (ids, flags): (&str, &[&str]),
+                  act: &dyn Fn(&mut Program, &mut Running)| {
+        let mut motors = Program::start(&[&["--ids", ids], flags].concat());
         let mut running = start(language, &dir.path().join(name), text, &motors, ids);
         running.until("running");
         act(&mut motors, &mut running);
@@ -198,6 +202,9 @@ fn drive_and_stop(language: &dyn Language) {
                 running.said
             );
         }
+    };
+    let run = |name: &str, text: &str, ids: &str, act: &dyn Fn(&mut Program, &mut Running)| {
+        run_on(name, text, (ids, &[]), act);
     };
     run("whole", SHORT, "1,2", &|motors, running| {
         let mut fastest = 0.0_f32;
@@ -238,9 +245,12 @@ fn drive_and_stop(language: &dyn Language) {
         assert!(said.contains("motor 1 stands"), "{said}");
         assert!(said.contains("motor 2 DID NOT CONFIRM ITS STOP"), "{said}");
     });
-    run("current", PUSH, "1", &|_, running| {
-        running.until("finished");
-    });
+    let pushes: [&[&str]; 3] = [&[], &["--echo", "whole"], &["--echo", "cut:4"]];
+    for flags in pushes {
+        run_on("current", PUSH, ("1", flags), &|_, running| {
+            running.until("finished");
+        });
+    }
 }
 
 /// A stop pressed while the motors are prepared for the position loop does not turn a wheel to 0 degrees.

@@ -97,6 +97,20 @@ void send(const uint8_t *frame) {
   if (DE_PIN >= 0) digitalWrite(DE_PIN, LOW);
 }
 
+// The next reply. The adapter may echo the request in front of it, whole or cut short.
+bool receive(int m, uint8_t *reply) {
+  int got = 0;
+  for (uint32_t began = millis(); millis() - began < REPLY_MS;) {
+    if (!Serial2.available()) continue;
+    if (got == 10) memmove(reply, reply + 1, --got);
+    reply[got++] = Serial2.read();
+    // Byte 1 of a reply is a loop, that of a request is not.
+    bool is_reply = got == 10 && reply[0] == MOTORS[m].id && reply[1] >= CURRENT && reply[1] <= POSITION;
+    if (is_reply && crc8(reply, 9) == reply[9]) return true;
+  }
+  return false;
+}
+
 // Sends nine bytes with their CRC; reads the reply.
 bool exchange(int m, uint8_t *frame) {
   Motor &motor = motors[m];
@@ -104,11 +118,7 @@ bool exchange(int m, uint8_t *frame) {
   frame[9] = crc8(frame, 9);
   send(frame);
   uint8_t reply[10];
-  int got = 0;
-  for (uint32_t began = millis(); got < 10 && millis() - began < REPLY_MS;) {
-    if (Serial2.available()) reply[got++] = Serial2.read();
-  }
-  if (got != 10 || reply[0] != MOTORS[m].id || crc8(reply, 9) != reply[9]) {
+  if (!receive(m, reply)) {
     motor.missed++;
     return false;
   }

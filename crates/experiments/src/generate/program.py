@@ -31,7 +31,7 @@ ROWS = [
     # @ROWS@
 ]
 
-CURRENT, VELOCITY, POSITION = 1, 2, 3
+LOOPS = CURRENT, VELOCITY, POSITION = 1, 2, 3
 REPLY_S = 0.02
 MISSED_MAX = 10
 OVER_CURRENT_S = 0.5
@@ -75,8 +75,8 @@ class Motor:
         """Sends nine bytes with their CRC; reads the reply."""
         self.port.reset_input_buffer()
         self.port.write(bytes(body) + bytes([crc8(body)]))
-        reply = self.port.read(10)
-        if len(reply) != 10 or reply[0] != self.address or crc8(reply[:9]) != reply[9]:
+        reply = self.receive()
+        if reply is None:
             self.missed += 1
             return False
         self.missed, self.heard_s = 0, time.monotonic()
@@ -89,6 +89,17 @@ class Motor:
         else:
             self.degrees = int.from_bytes(reply[6:8], "big") * 360 / 32767
         return True
+
+    def receive(self):
+        """The next reply. The adapter may echo the request in front of it, whole or cut short."""
+        got, until_s = b"", time.monotonic() + REPLY_S
+        while time.monotonic() < until_s:
+            got += self.port.read(1)
+            last = got[-10:]
+            # Byte 1 of a reply is a loop, that of a request is not.
+            if len(last) == 10 and last[0] == self.address and last[1] in LOOPS and crc8(last[:9]) == last[9]:
+                return last
+        return None
 
     def query(self):
         return self.exchange([self.address, 0x74, 0, 0, 0, 0, 0, 0, 0])
