@@ -7,7 +7,7 @@ mod measured;
 use bench::Bench;
 use measured::{DRY, HEATING_S, INERTIA, VISCOUS, friction_and_inertia, warm_up};
 use motorlink_experiments::{
-    analysis::{even_replies, friction, torque_speed},
+    analysis::{SpeedLevel, friction},
     sequence::Template,
 };
 use motorlink_simulator::MotorConfig;
@@ -60,17 +60,17 @@ fn speed_against_current_gives_what_the_motor_reports() {
         ..MotorConfig::default()
     };
     let run = Bench::new(5, motor).run_sequence(&Template::Staircase.sequence());
-    let mut replies = Vec::new();
+    let mut levels = Vec::new();
     for step in [0, 1, 2, 3, 7, 8, 9, 10] {
         for times in run.times(step) {
-            replies.extend(even_replies(run.rpm(times), run.amps(times), 2.0));
+            levels.extend(SpeedLevel::of(run.rpm(times), run.amps(times), 2.0));
         }
     }
     let reported = |rpm: f64| {
         let torque_nm = DRY + load_nm + VISCOUS * rpm * std::f64::consts::TAU / 60.0;
         (torque_nm / 0.75).hypot(0.235)
     };
-    let found = friction(replies.iter().copied()).unwrap();
+    let found = friction(&levels).unwrap();
     for rpm in [20.0, 80.0] {
         let amps = found.coulomb_a.value + found.viscous_a_per_rpm.value * rpm;
         assert!(
@@ -79,19 +79,5 @@ fn speed_against_current_gives_what_the_motor_reports() {
         );
     }
     assert!(found.coulomb_a.plus_minus < 0.02 && found.coulomb_a.plus_minus > 1e-4);
-    assert_eq!(friction([(50.0, 0.2)]), None);
-}
-
-#[test]
-fn speed_falls_with_torque_along_its_line() {
-    let mut random = fastrand::Rng::with_seed(3);
-    let replies = (0..400).map(|number| {
-        let amps = f64::from(number) * 0.003;
-        let noise = 2.0 * (random.f64() - 0.5);
-        ((200.0 - 120.0 * amps * 0.75 + noise).round(), amps)
-    });
-    let found = torque_speed(replies).unwrap();
-    assert!(found.no_load_rpm.holds(200.0), "{found:?}");
-    assert!(found.droop_rpm_per_nm.holds(120.0), "{found:?}");
-    assert!((found.torque_max_nm - 0.897_75).abs() < 1e-9);
+    assert_eq!(friction(&levels[..2]), None);
 }

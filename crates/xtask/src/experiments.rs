@@ -11,7 +11,8 @@ const SEQUENCE_SEEDS: &str = "10000";
 
 /// Prints a row for each figure, runs the generated programs, and checks the files of a robot.
 pub fn show(workspace: &Workspace) -> Result<()> {
-    let figures = ["--test", "figures", "--", "--ignored", "--nocapture"];
+    let tests = ["--test", "figures", "--test", "coverage"];
+    let figures = [&tests[..], &["--", "--ignored", "--nocapture"]].concat();
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
     let figures = [&package[..], &figures[..]].concat();
     process::run(&mut cargo::command(workspace, &figures))?;

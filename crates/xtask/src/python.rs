@@ -34,6 +34,12 @@ const CSV_READERS: Environment = Environment {
     packages: &["pandas==2.3.3"],
 };
 
+/// For the figures of experiments.
+const FIGURES: Environment = Environment {
+    name: "figures-1",
+    packages: &["numpy==2.2.6", "scipy==1.15.3"],
+};
+
 const CSV_TESTS: [&str; 3] = ["motorlink-recorder", "--test", "other_readers"];
 
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
@@ -48,6 +54,12 @@ pub fn read_session(workspace: &Workspace) -> Result<()> {
 pub fn read_csv_files(workspace: &Workspace) -> Result<()> {
     let mut test = ignored_test(workspace, &CSV_TESTS, &CSV_READERS)?;
     process::run(test.arg("python_and_pandas"))
+}
+
+/// Lets scripts of numpy and scipy compute the figures of experiments from the CSV files of their runs.
+pub fn compute_figures(workspace: &Workspace) -> Result<()> {
+    let test = ["motorlink-experiments", "--test", "independent_intervals"];
+    process::run(&mut ignored_test(workspace, &test, &FIGURES)?)
 }
 
 /// Lets LibreOffice open them.

@@ -51,6 +51,13 @@ pub static SUITE: Suite = Suite(&[
         run: python::read_csv_files,
     },
     Step {
+        name: "figures-in-python",
+        about: "numpy and scipy compute the figures of experiments from the exported CSV files",
+        needs: &[],
+        on_request: false,
+        run: python::compute_figures,
+    },
+    Step {
         name: "csv-in-libreoffice",
         about: "LibreOffice opens the exported CSV files",
         needs: &[],

@@ -126,7 +126,7 @@ pub(super) fn advice(kind: StudyKind) -> &'static str {
             "Load the wheel so that it turns slowly. If it is blocked, its stall protection ends the run after 5 s. A constant current heats the winding."
         ),
         StudyKind::TorqueSpeed => tr!(
-            "The wheel turns at one speed. Load it more and more with a brake. Keep hands, gloves and hair clear."
+            "The wheel turns at one speed. Leave it free for the first 8 s, then load it more and more with a brake. Keep hands, gloves and hair clear."
         ),
         StudyKind::Silence => tr!(
             "The wheel turns freely at 30 rpm. Drive frames cease for 0.6 s while queries go on, and then once more without queries. At the end the motor is stopped."

@@ -26,6 +26,21 @@ pub(super) struct Fit<const N: usize> {
     pub(super) squares: f64,
     /// Degrees of freedom: rows minus unknowns.
     pub(super) freedom: f64,
+    /// The inverse of the triangle.
+    inverse: [[f64; N]; N],
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "every index runs below N, the length of each array"
+)]
+impl<const N: usize> Fit<N> {
+    /// How much each unknown changes with the right side of this row: its column of the pseudo-inverse.
+    pub(super) fn influence(&self, row: &[f64; N]) -> [f64; N] {
+        let turned: [f64; N] =
+            std::array::from_fn(|k| (0..=k).map(|at| self.inverse[at][k] * row[at]).sum());
+        std::array::from_fn(|at| (at..N).map(|k| self.inverse[at][k] * turned[k]).sum())
+    }
 }
 
 #[allow(
@@ -100,6 +115,7 @@ impl<const N: usize> LeastSquares<N> {
             errors,
             squares: self.squares,
             freedom,
+            inverse,
         })
     }
 }
@@ -126,6 +142,12 @@ mod tests {
             assert!((found - expected).abs() < 5e-5, "{found} {expected}");
         }
         assert!((fit.freedom - 9.0).abs() < 1e-12);
+        // The unknowns are the right sides times the pseudo-inverse.
+        let slope = x
+            .into_iter()
+            .zip(y)
+            .map(|(x, y)| fit.influence(&[1.0, x])[1] * y);
+        assert!((slope.sum::<f64>() - fit.unknowns[1]).abs() < 1e-9);
     }
 
     #[test]

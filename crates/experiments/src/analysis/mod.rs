@@ -2,6 +2,7 @@
 //!
 //! `docs/experiments.md` explains each figure and the source of its formula.
 
+mod batch_means;
 mod coast_down;
 mod crossing;
 mod frequency;
@@ -17,14 +18,14 @@ mod trace;
 
 pub use coast_down::{CoastDown, coast_down};
 pub use frequency::{BodePoint, Invalid, SineRun, frequency_point, unwrap_phases};
-pub use friction::{Friction, even_replies, friction};
+pub use friction::{Friction, SpeedLevel, friction};
 pub use heating::{Heating, heating};
 pub use inertia::{Inertia, Push, inertia};
 pub use silence::{Silence, WhenSilent};
 pub(crate) use silence::{keeps, median};
 pub use statistics::{CONFIDENCE, Estimate, Spread, spread};
 pub use step_response::{StepFigures, StepRun, StepSummary, step_figures, step_summary};
-pub use torque_speed::{TorqueSpeed, torque_speed};
+pub use torque_speed::{CurrentBySpeed, Droop, TorqueSpeed, torque_speed};
 pub use trace::Trace;
 
 /// Torque of one ampere, in N.m (the maker's figure for M0601 and DDSM115).

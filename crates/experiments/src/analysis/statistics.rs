@@ -23,6 +23,12 @@ impl Estimate {
         (value - self.value).abs() <= self.plus_minus
     }
 
+    /// Whether it tells more than the order of magnitude: the interval does not contain zero.
+    #[must_use]
+    pub fn is_measurable(self) -> bool {
+        self.plus_minus > 0.0 && !self.holds(0.0)
+    }
+
     /// An estimate from its standard error and degrees of freedom.
     pub(super) fn by_error(value: f64, error: f64, freedom: f64) -> Self {
         let quantile = StudentsT::ppf(f64::midpoint(1.0, CONFIDENCE), freedom);

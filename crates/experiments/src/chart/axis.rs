@@ -34,7 +34,7 @@ impl Axis {
         }
         // These are read against zero.
         let (least, greatest) = match name {
-            AxisName::Time | AxisName::Torque => (least.min(0.0), greatest),
+            AxisName::Time => (least.min(0.0), greatest),
             AxisName::Coherence => (0.0, 1.0),
             _ => (least, greatest),
         };

@@ -28,8 +28,6 @@ pub enum AxisName {
     Current,
     /// deg C.
     Temperature,
-    /// N.m.
-    Torque,
     /// Hz, on a logarithmic scale.
     Frequency,
     /// dB.

@@ -104,7 +104,7 @@ const fn kinds(findings: &Findings) -> &'static [(AxisName, AxisName)] {
         ],
         Findings::Friction(_) => &[(AxisName::Speed, AxisName::Current)],
         Findings::Heating(_) => &[(AxisName::Time, AxisName::Temperature)],
-        Findings::TorqueSpeed(_) => &[(AxisName::Torque, AxisName::Speed)],
+        Findings::TorqueSpeed(_) => &[(AxisName::Current, AxisName::Speed)],
     }
 }
 
@@ -195,10 +195,16 @@ fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<
         }
         Findings::TorqueSpeed(found) => {
             let mut lines = vec![line(Look::Dots, found.points.clone())];
-            if let Some(fit) = found.line {
-                let end = fit.no_load_rpm.value - fit.droop_rpm_per_nm.value * fit.torque_max_nm;
-                let points = vec![(0.0, fit.no_load_rpm.value), (fit.torque_max_nm, end)];
-                lines.push(line(Look::Plain, points));
+            if let Some(droop) = found.line.and_then(|line| line.droop) {
+                let speeds = || found.points.iter().map(|point| point.1);
+                let fastest = speeds().fold(0.0, f64::max);
+                let slowest = speeds().fold(fastest, f64::min);
+                let at = |place: u32| {
+                    let part = f64::from(place) / f64::from(MEDIAN_POINTS);
+                    let rpm = fastest - (fastest - slowest) * part;
+                    (droop.current.amps_at(rpm), rpm)
+                };
+                lines.push(line(Look::Plain, (0..=MEDIAN_POINTS).map(at).collect()));
             }
             lines
         }

@@ -106,7 +106,7 @@ impl CoastDownStudy {
         let coasts: Vec<&[Point]> = spans
             .iter()
             .filter(|span| !is_push(span))
-            .map(|span| Trace::between(&trace.rpm, span.from_s + COAST_SETTLE_S, span.to_s))
+            .map(|span| settled(&trace, span, COAST_SETTLE_S))
             .collect();
         let coast = coast_down(&coasts).map(|coast| by_spread(coast, &coasts));
         let pushes: Vec<Push<'_>> = spans
@@ -154,8 +154,15 @@ fn push_of(trace: &Trace, span: Span) -> Option<Push<'_>> {
     }
     Some(Push {
         torque_nm: first.value * TORQUE_NM_PER_A,
-        speed: Trace::between(&trace.rpm, first.t_s + PUSH_SETTLE_S, span.to_s),
+        speed: settled(trace, &span, PUSH_SETTLE_S),
     })
+}
+
+/// The speed from this time after the first reply on.
+fn settled<'a>(trace: &'a Trace, span: &Span, settle_s: f64) -> &'a [Point] {
+    let speed = Trace::between(&trace.rpm, span.from_s, span.to_s);
+    let from_s = speed.first().map_or(0.0, |first| first.t_s) + settle_s;
+    Trace::between(speed, from_s, span.to_s)
 }
 
 fn since_its_start(coast: &[Point]) -> Vec<Point> {

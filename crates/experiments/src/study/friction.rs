@@ -7,7 +7,7 @@ use super::{
     spans::{hold_rpm, ramp_rpm, spans},
 };
 use crate::{
-    analysis::{Friction, Trace, even_replies, friction},
+    analysis::{Friction, SpeedLevel, Trace, friction},
     runner::Record,
     sequence::{RunLimits, Sequence},
 };
@@ -31,21 +31,12 @@ pub struct FrictionStudy {
 /// The figures of a staircase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionFindings {
-    /// The fit; `None` for fewer than two speeds.
+    /// The fit; `None` for fewer than three speeds.
     pub friction: Option<Friction>,
     /// The mean of each measured speed.
     pub levels: Vec<SpeedLevel>,
     /// Speeds that were paused or aborted.
     pub left_out: usize,
-}
-
-/// The replies at one speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedLevel {
-    /// Mean speed in rpm.
-    pub rpm: f64,
-    /// Mean current in A.
-    pub amps: f64,
 }
 
 impl FrictionStudy {
@@ -93,7 +84,6 @@ impl FrictionStudy {
     pub(super) fn evaluate(&self, record: &Record) -> FrictionFindings {
         let trace = Trace::of(record, self.motor);
         let rows = self.rows();
-        let mut replies: Vec<(f64, f64)> = Vec::new();
         let mut levels = Vec::new();
         let mut left_out = 0;
         for span in spans(record) {
@@ -106,19 +96,10 @@ impl FrictionStudy {
             }
             let rpm = Trace::between(&trace.rpm, span.from_s, span.to_s);
             let amps = Trace::between(&trace.amps, span.from_s, span.to_s);
-            let even = even_replies(rpm, amps, self.hold_s / 2.0);
-            let count = f64::from(u32::try_from(even.len()).unwrap_or(u32::MAX));
-            if count > 0.0 {
-                let sum = |part: fn(&(f64, f64)) -> f64| even.iter().map(part).sum::<f64>();
-                levels.push(SpeedLevel {
-                    rpm: sum(|reply| reply.0) / count,
-                    amps: sum(|reply| reply.1) / count,
-                });
-            }
-            replies.extend(even);
+            levels.extend(SpeedLevel::of(rpm, amps, self.hold_s / 2.0));
         }
         FrictionFindings {
-            friction: friction(replies),
+            friction: friction(&levels),
             levels,
             left_out,
         }

@@ -32,7 +32,7 @@ use motorlink_protocol::MotorId;
 
 pub use coast_down::{CoastDownFindings, CoastDownStudy};
 pub use frequency::{FrequencyFindings, FrequencyStudy};
-pub use friction::{FrictionFindings, FrictionStudy, SpeedLevel};
+pub use friction::{FrictionFindings, FrictionStudy};
 pub use heating::{HeatingFindings, HeatingStudy};
 pub use parameter::Parameter;
 pub use silence::{SILENT_S, SilenceFindings, SilenceStudy};

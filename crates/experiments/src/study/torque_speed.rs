@@ -7,33 +7,37 @@ use super::{
     spans::{hold_rpm, ramp_rpm, spans},
 };
 use crate::{
-    analysis::{Point, TORQUE_NM_PER_A, TorqueSpeed, Trace, torque_speed},
+    analysis::{Point, TorqueSpeed, Trace, torque_speed},
     runner::Record,
     sequence::{RunLimits, Sequence},
 };
 
 /// The speed is reached in this time. The replies of it are not measured.
 const RISE_S: f64 = 3.0;
+/// The person leaves the wheel free for this time, then loads it.
+const FREE_S: f64 = 5.0;
+/// A free wheel this close to the speed may hold it, and is not at the voltage limit.
+const HOLDS_RPM: f64 = 3.0;
 /// Maximal number of points of the chart.
 const POINTS_MAX: usize = 2_000;
 
-/// A speed that the motor cannot quite reach, or just so: then its speed falls with the load.
+/// A speed that the motor cannot reach, so that the voltage limits it and its speed falls with the load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueSpeedStudy {
     /// The motor.
     pub motor: MotorId,
-    /// The speed, in rpm. At or above the speed that the motor reaches without load.
+    /// The speed, in rpm. Above the speed that the motor reaches without load.
     pub speed_rpm: f64,
-    /// How long the person loads the wheel, in seconds.
+    /// How long it is held, in seconds. The wheel is free for the first five, then the person loads it.
     pub for_s: f64,
 }
 
 /// The figures of speed by torque.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueSpeedFindings {
-    /// The fit; `None` if the torque hardly changed.
+    /// The fit; `None` for too few replies, or if the wheel reached the speed.
     pub line: Option<TorqueSpeed>,
-    /// Replies as torque in N.m and speed in rpm, without direction.
+    /// Replies as current in A and speed in rpm, in the direction of the speed.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -51,7 +55,7 @@ impl TorqueSpeedStudy {
     pub(super) fn parameters(&mut self) -> Vec<Parameter<'_>> {
         vec![
             Parameter::real("speed_rpm", &mut self.speed_rpm, -330.0, 330.0),
-            Parameter::real("for_s", &mut self.for_s, 5.0, 600.0),
+            Parameter::real("for_s", &mut self.for_s, 10.0, 600.0),
         ]
     }
 
@@ -72,20 +76,25 @@ impl TorqueSpeedStudy {
         let loaded = spans(record)
             .into_iter()
             .filter(|span| span.step == 1 && !span.was_paused(self.for_s));
-        let mut replies: Vec<(f64, f64)> = Vec::new();
+        let (mut free, mut all) = (Vec::new(), Vec::new());
         for span in loaded {
             let rpm = Trace::between(&trace.rpm, span.from_s, span.to_s);
             let amps = Trace::between(&trace.amps, span.from_s, span.to_s);
             let pair = |(rpm, amps): (&Point, &Point)| (rpm.value, amps.value);
-            replies.extend(rpm.iter().zip(amps).map(pair));
+            let until_s = rpm.first().map_or(0.0, |first| first.t_s) + FREE_S;
+            let of_free = rpm.iter().take_while(|point| point.t_s < until_s);
+            free.extend(of_free.zip(amps).map(pair));
+            all.extend(rpm.iter().zip(amps).map(pair));
         }
-        let every = replies.len().div_ceil(POINTS_MAX).max(1);
-        let shown = replies.iter().step_by(every);
+        let every = all.len().div_ceil(POINTS_MAX).max(1);
+        let shown = all.iter().step_by(every);
+        let limited =
+            |line: &TorqueSpeed| line.no_load_rpm.value < self.speed_rpm.abs() - HOLDS_RPM;
         TorqueSpeedFindings {
             points: shown
-                .map(|(rpm, amps)| (amps.abs() * TORQUE_NM_PER_A, rpm.abs()))
+                .map(|(rpm, amps)| (amps * rpm.signum(), rpm.abs()))
                 .collect(),
-            line: torque_speed(replies),
+            line: torque_speed(&free, &all).filter(limited),
         }
     }
 }

@@ -25,6 +25,8 @@ pub struct Bench {
     expect: Option<Layout>,
     /// Each run is paused this long after its start, for five seconds.
     pub pauses_after: Option<Duration>,
+    /// The load in N.m by the time since the start of a run in seconds.
+    pub load_nm: Option<Box<dyn Fn(f64) -> f32>>,
     /// The record of the last run.
     pub record: Record,
 }
@@ -49,6 +51,7 @@ impl Bench {
             random: fastrand::Rng::with_seed(seed),
             expect: None,
             pauses_after: None,
+            load_nm: None,
             record: Record::default(),
         }
     }
@@ -71,7 +74,11 @@ impl Bench {
         let mut query_at = self.now;
         let pause_at = self.pauses_after.map(|after| self.now + after);
         let resume_at = pause_at.map(|at| at + PAUSE);
+        let began = self.now;
         loop {
+            if let (Some(load_nm), Some(motor)) = (&self.load_nm, self.world.motor_mut(ONE)) {
+                motor.set_load_nm(load_nm(self.now.since(began).as_secs_f64()));
+            }
             let is_due = |at: Option<Instant>| at.is_some_and(|at| at <= self.now);
             if is_due(resume_at) {
                 runner.resume(self.now);

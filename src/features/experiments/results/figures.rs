@@ -40,10 +40,15 @@ impl Figures {
     pub(super) fn of(findings: &Findings, model: &str) -> Self {
         let mut figures = Self::of_ddsm115(findings);
         if model == Model::Ddsm115.spec().name {
+            if has_torque(findings) {
+                figures.maker_says(tr!(
+                    "The intervals do not include the torque constant, 0.75 N·m/A. The maker's own points give 0.74 to 0.77, so a figure with a torque can be off by 3 % more."
+                ));
+            }
             return figures;
         }
         figures.maker.clear();
-        if matches!(findings, Findings::CoastDown(_) | Findings::TorqueSpeed(_)) {
+        if has_torque(findings) {
             figures.maker_says(tr!(
                 "Torque and inertia are computed with 0.75 N·m/A, the figure of the DDSM115. That of the {model} is not known, so they are not those of this motor.",
                 model
@@ -71,6 +76,22 @@ impl Figures {
             name,
             values: vec![value],
         });
+    }
+
+    /// A figure with its interval, if that tells more than the order of magnitude.
+    fn estimate(&mut self, name: &'static str, found: Option<Estimate>, factor: f64, unit: &str) {
+        let found = found.filter(|found| found.is_measurable());
+        let value = found.map_or_else(
+            || tr!("not measurable").to_owned(),
+            |found| estimate(found, factor, unit),
+        );
+        self.row(name, Some(value));
+    }
+
+    fn intervals(&mut self) {
+        self.says(tr!(
+            "An interval (±) holds the true value in 99 of 100 runs. A figure whose interval is too wide is not measurable."
+        ));
     }
 
     fn says(&mut self, text: impl Into<String>) {
@@ -105,11 +126,21 @@ fn spread(found: Option<Spread>, factor: f64, decimals: usize, unit: &str) -> St
     format!("{median} ({low}…{high})")
 }
 
-/// `1.002 ± 0.004 g·m²`
-fn estimate(found: Estimate, factor: f64, decimals: usize, unit: &str) -> String {
+/// Whether a figure is computed with the torque constant.
+const fn has_torque(findings: &Findings) -> bool {
+    matches!(findings, Findings::CoastDown(_) | Findings::TorqueSpeed(_))
+}
+
+/// `1.0020 ± 0.0040 g·m²`: the interval has two digits, as the GUM advises (7.2.6).
+fn estimate(found: Estimate, factor: f64, unit: &str) -> String {
+    let plus_minus = found.plus_minus * factor;
+    let (mut decimals, mut digits) = (0, plus_minus);
+    while digits < 9.95 && decimals < 6 {
+        digits *= 10.0;
+        decimals += 1;
+    }
     let value = number(found.value * factor, decimals);
-    let plus_minus = number(found.plus_minus.abs() * factor, decimals);
-    format!("{value} ± {plus_minus} {unit}")
+    format!("{value} ± {} {unit}", number(plus_minus, decimals))
 }
 
 fn number(value: f64, decimals: usize) -> String {
@@ -213,19 +244,15 @@ fn frequency(found: &FrequencyFindings) -> Figures {
 fn friction(found: &FrictionFindings) -> Figures {
     let mut figures = Figures::default();
     let fit = found.friction;
-    figures.row(
-        tr!("Coulomb part"),
-        fit.map(|fit| estimate(fit.coulomb_a, 1.0, 3, "A")),
-    );
+    figures.estimate(tr!("Coulomb part"), fit.map(|it| it.coulomb_a), 1.0, "A");
     let unit = format!("mA/{}", rpm());
-    figures.row(
-        tr!("Viscous part"),
-        fit.map(|fit| estimate(fit.viscous_a_per_rpm, 1e3, 3, &unit)),
-    );
+    let viscous = fit.map(|it| it.viscous_a_per_rpm);
+    figures.estimate(tr!("Viscous part"), viscous, 1e3, &unit);
     figures.left_out(found.left_out);
     figures.says(tr!(
         "The current that the motor reports at an even speed: a part that does not depend on the speed, and one that grows with it. It is more than friction; the coast-down measures that."
     ));
+    figures.intervals();
     figures.maker_says(tr!("Maker: at most 0.25 A without load."));
     figures
 }
@@ -233,27 +260,18 @@ fn friction(found: &FrictionFindings) -> Figures {
 fn coast_down(found: &CoastDownFindings) -> Figures {
     let mut figures = Figures::default();
     let fit = found.inertia;
-    figures.row(
-        tr!("Inertia"),
-        fit.map(|fit| estimate(fit.inertia_kg_m2, 1e3, 4, "g·m²")),
-    );
-    figures.row(
-        tr!("Dry friction"),
-        fit.map(|fit| estimate(fit.dry_nm, 1e3, 3, "mN·m")),
-    );
-    figures.row(
-        tr!("Viscous friction"),
-        fit.map(|fit| estimate(fit.viscous_nm_s, 1e3, 4, "mN·m·s")),
-    );
-    figures.row(
-        tr!("Friction over inertia"),
-        found
-            .coast
-            .map(|coast| estimate(coast.dry_rad_s2, 1.0, 3, "rad/s²")),
-    );
+    let inertia = fit.map(|it| it.inertia_kg_m2);
+    figures.estimate(tr!("Inertia"), inertia, 1e3, "g·m²");
+    let dry = fit.map(|it| it.dry_nm);
+    figures.estimate(tr!("Dry friction"), dry, 1e3, "mN·m");
+    let viscous = fit.map(|it| it.viscous_nm_s);
+    figures.estimate(tr!("Viscous friction"), viscous, 1e3, "mN·m·s");
+    let dry = found.coast.map(|it| it.dry_rad_s2);
+    figures.estimate(tr!("Friction over inertia"), dry, 1.0, "rad/s²");
     figures.says(tr!(
-        "Inertia from pushes by a known current, friction from how the wheel slows down at 0 A. The interval holds the true value in 99 of 100 cases."
+        "Inertia from pushes by a known current, friction from how the wheel slows down at 0 A."
     ));
+    figures.intervals();
     figures.maker_says(tr!(
         "Maker: 0.75 N·m/A, which gives the torque of a push; a wheel of 102 mm and 485 g."
     ));
@@ -263,14 +281,10 @@ fn coast_down(found: &CoastDownFindings) -> Figures {
 fn heating(found: &HeatingFindings) -> Figures {
     let mut figures = Figures::default();
     let fit = found.heating;
-    figures.row(
-        tr!("Time constant"),
-        fit.map(|fit| estimate(fit.time_constant_s, 1.0, 0, "s")),
-    );
-    figures.row(
-        tr!("Final temperature"),
-        fit.map(|fit| estimate(fit.final_c, 1.0, 1, "°C")),
-    );
+    let constant = fit.map(|it| it.time_constant_s);
+    figures.estimate(tr!("Time constant"), constant, 1.0, "s");
+    let ends = fit.map(|it| it.final_c);
+    figures.estimate(tr!("Final temperature"), ends, 1.0, "°C");
     figures.row(
         tr!("Mean current"),
         found.amps.map(|amps| format!("{} A", number(amps, 2))),
@@ -278,6 +292,7 @@ fn heating(found: &HeatingFindings) -> Figures {
     figures.says(tr!(
         "After one time constant the winding has 63 % of its rise. The final temperature is where it ends at this current."
     ));
+    figures.intervals();
     figures.maker_says(tr!(
         "Maker: the motor protects itself at 80 °C, until it has cooled to 75 °C."
     ));
@@ -287,22 +302,15 @@ fn heating(found: &HeatingFindings) -> Figures {
 fn torque_speed(found: &TorqueSpeedFindings) -> Figures {
     let mut figures = Figures::default();
     let line = found.line;
-    figures.row(
-        tr!("No-load speed"),
-        line.map(|line| estimate(line.no_load_rpm, 1.0, 1, rpm())),
-    );
+    let no_load = line.map(|it| it.no_load_rpm);
+    figures.estimate(tr!("No-load speed"), no_load, 1.0, rpm());
     let unit = format!("{}/N·m", rpm());
-    figures.row(
-        tr!("Speed lost to torque"),
-        line.map(|line| estimate(line.droop_rpm_per_nm, 1.0, 1, &unit)),
-    );
-    figures.row(
-        tr!("Largest torque"),
-        line.map(|line| format!("{} N·m", number(line.torque_max_nm, 2))),
-    );
+    let droop = line.and_then(|it| it.droop).map(|it| it.rpm_per_nm);
+    figures.estimate(tr!("Speed lost to torque"), droop, 1.0, &unit);
     figures.says(tr!(
-        "How much slower the wheel turns under load. Beyond the largest measured torque the line is unknown."
+        "How much slower the wheel turns under load at the voltage limit: the set speed must be above the one that it reaches. The reported current includes a part without torque, so the figures follow from how its square grows as the speed falls."
     ));
+    figures.intervals();
     figures.maker_says(tr!(
         "Maker: 200 ± 10 rpm without load at 18 V, 0.96 N·m at 115 rpm, 2.0 N·m at a stall."
     ));
@@ -351,7 +359,8 @@ mod tests {
             value: 1.002e-3,
             plus_minus: 4e-6,
         };
-        assert_eq!(estimate(found, 1e3, 4, "g·m²"), "1.0020 ± 0.0040 g·m²");
+        assert_eq!(estimate(found, 1e3, "g·m²"), "1.0020 ± 0.0040 g·m²");
+        assert_eq!(estimate(found, 1e6, "mg·m²"), "1002.0 ± 4.0 mg·m²");
         assert_eq!(number(-0.001, 1), "0.0");
         assert_eq!(number(-1.25, 1), "\u{2212}1.2");
         let repeats = Spread {
@@ -367,6 +376,18 @@ mod tests {
         };
         assert_eq!(spread(Some(one), 1e3, 0, "ms"), "22 ms");
         assert_eq!(spread(None, 1e3, 0, "ms"), UNKNOWN);
+    }
+
+    #[test]
+    fn an_interval_that_contains_zero_is_not_measurable() {
+        let mut figures = Figures::default();
+        let (value, plus_minus) = (0.006e-3, 0.103e-3);
+        let viscous = Estimate { value, plus_minus };
+        figures.estimate("Viscous part", Some(viscous), 1e3, "mA/rpm");
+        figures.estimate("Viscous part", None, 1e3, "mA/rpm");
+        for row in figures.rows {
+            assert_eq!(row.values, ["not measurable"]);
+        }
     }
 
     #[test]

@@ -23,7 +23,6 @@ pub(super) fn axis(name: AxisName) -> String {
         AxisName::Speed => (tr!("Speed"), format::rpm()),
         AxisName::Current => (tr!("Current" as "electric"), "A"),
         AxisName::Temperature => (tr!("Temperature"), "°C"),
-        AxisName::Torque => (tr!("Torque"), "N·m"),
         AxisName::Frequency => (tr!("Frequency"), "Hz"),
         AxisName::Gain => (tr!("Gain"), "dB"),
         AxisName::Phase => (tr!("Phase"), "°"),
