@@ -20,7 +20,6 @@ use crate::{
         replay_bar::show_bar,
         save_picker::{Picked, name_of, pick, remove_if_empty},
         save_range::SaveRange,
-        share::Shareable,
         texts,
     },
     link::sessions_link::SessionsLink,
@@ -67,7 +66,6 @@ pub(crate) struct SessionFiles {
     pub(super) saved_as: StoredValue<String>,
     /// The handle of the file that is being saved, if the user has chosen one.
     chosen: RwSignal<Option<JsValue>, LocalStorage>,
-    pub(super) shareable: Shareable,
 }
 
 impl SessionFiles {
@@ -98,7 +96,6 @@ impl SessionFiles {
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
                     chosen: RwSignal::new_local(None),
-                    shareable: Shareable::new(),
                 };
                 provide_context(new);
                 // The browser asks before it closes or reloads the page.
@@ -207,7 +204,6 @@ impl SessionFiles {
         }
         self.saving.set(Some(0));
         self.is_posted.set(false);
-        self.shareable.forget();
         self.say_of_saving(false, "");
         let name = file_name();
         spawn_local(async move {
@@ -380,14 +376,10 @@ impl SessionFiles {
                 runs,
             } => {
                 self.saving.set(None);
-                let chosen = self.chosen.try_update(Option::take).flatten();
+                self.chosen.set(None);
                 let name = self.saved_as.get_value();
                 if let Some(file) = file {
                     save_blob(file, &name);
-                }
-                let content = file.map(JsValue::from).or(chosen);
-                if let Some(content) = content {
-                    self.shareable.offer(content);
                 }
                 let mut said = texts::of_saved(&name, bytes, records);
                 for words in texts::of_runs_saved(runs) {

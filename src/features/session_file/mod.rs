@@ -7,7 +7,6 @@
 //! | `save_range` | the choice of how much is saved |
 //! | `readiness` | whether there is anything to save |
 //! | `save_picker` | the browser's dialog for a file to write |
-//! | `share` | the saved session for another app |
 //! | `player` | shows an open file as if it were the live line |
 //! | `player/gate` | which messages cross between the recording and the live line |
 //! | `player/controls` | what the controls of the replay do |
@@ -32,6 +31,5 @@ mod readiness;
 mod replay_bar;
 mod save_picker;
 mod save_range;
-mod share;
 mod texts;
 mod timeline;

@@ -108,7 +108,6 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                 {said(files.saved)}
                 {said(files.said)}
             </div>
-            {share_button(files)}
             {move || files.open.get().map(|info| content(files, &info))}
         </div>
     }
@@ -134,31 +133,6 @@ fn range_choice(files: SessionFiles) -> impl IntoView {
         >
             {options.collect_view()}
         </select>
-    }
-}
-
-/// Button `Share`. The dialog of the system can cover STOP, so nothing may be driven.
-fn share_button(files: SessionFiles) -> impl IntoView {
-    let blocked_by = move || {
-        let drives = files.page.shown.with(Session::is_anything_driven);
-        drives.then(|| tr!("Stop the motors first.").to_owned())
-    };
-    let share = move || {
-        if !files.page.is_anything_driven() {
-            let say = move |error, text| files.say(error, text);
-            files.shareable.share(files.saved_as.get_value(), say);
-        }
-    };
-    view! {
-        <div class="session-share" hidden=dynamic(move || !files.shareable.is_ready())>
-            <PressButton
-                label=tr!("Share")
-                class="button small"
-                hint=tr!("Opens the share dialog of the system for the saved session.")
-                disabled_reason=Signal::derive(blocked_by)
-                on_press=share
-            />
-        </div>
     }
 }
 
