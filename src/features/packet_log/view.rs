@@ -11,7 +11,7 @@ use motorlink_messages::recorder::Window;
 pub(crate) const ROW_PX: u32 = 24;
 
 /// The same for rows of two lines.
-pub(crate) const TWO_LINE_ROW_PX: u32 = 42;
+pub(crate) const TWO_LINE_ROW_PX: u32 = 44;
 
 /// Below this width of the list, in pixels, a row has two lines.
 const TWO_LINES_BELOW_PX: u32 = 480;

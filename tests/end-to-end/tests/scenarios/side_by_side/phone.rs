@@ -94,13 +94,17 @@ fn a_phone_shows_the_rest_behind_its_tab_bar() -> Result<()> {
     in_sight(page, View::PHONE, "button", "Start").map(drop)
 }
 
-/// Controls in sight that are smaller than a finger: a tick is pressed with its label.
+/// Controls in sight that are smaller than a finger: a tick is pressed with its label, and an absolute `::before` makes
+/// a control larger than it looks.
 const SMALL: &str = "[...document.querySelectorAll('button, select, input')]
     .filter((control) => control.getClientRects().length && getComputedStyle(control).visibility === 'visible')
     .map((control) => control.matches('.edit-name') ? control : control.closest('label, .language, .motor-chip') ?? control)
     .filter((target) => {
         const { width, height } = target.getBoundingClientRect();
-        return width < 43.5 || height < 43.5;
+        const before = getComputedStyle(target, '::before');
+        const beyond = before.position === 'absolute' && before.content !== 'none';
+        const more = (...sides) => beyond ? sides.reduce((sum, side) => sum - parseFloat(before[side]), 0) : 0;
+        return width + more('left', 'right') < 43.5 || height + more('top', 'bottom') < 43.5;
     })
     .map((target) => target.outerHTML.slice(0, 120))";
 
