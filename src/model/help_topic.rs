@@ -144,6 +144,7 @@ impl HelpTopic {
             WithdrawReason::OtherLoop { .. }
             | WithdrawReason::NotEnabled
             | WithdrawReason::TemperatureUnknown
+            | WithdrawReason::AngleMisfits
             | WithdrawReason::Limit(_) => Self::StoppedByItself,
         }
     }

@@ -204,6 +204,10 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
             tr!("the temperature has not been known for 2 s").to_owned(),
             tr!("Check the motor's power and signal plug, then press Start."),
         ),
+        WithdrawReason::AngleMisfits => (
+            tr!("its angle does not fit its motion").to_owned(),
+            tr!("The angle was not held. Check the motor before you use the position loop."),
+        ),
         WithdrawReason::Limit(exceeded) => (
             terms::exceeded_limit(exceeded),
             tr!("Find the cause before you press Start. The limits are in Settings."),
@@ -244,6 +248,7 @@ pub(crate) fn of_ended_drive(
         WithdrawReason::TemperatureUnknown => {
             tr!("the temperature has not been known for 2 s").to_owned()
         }
+        WithdrawReason::AngleMisfits => tr!("its angle does not fit its motion").to_owned(),
         WithdrawReason::Limit(exceeded) => terms::exceeded_limit(exceeded),
     };
     let title = match stopped {
@@ -274,6 +279,12 @@ fn of_stop(report: &StopReport) -> Option<NoticeText> {
     let left_driven = report.reason == StopReason::LeftDriven;
     if open.peek().is_some() {
         let mut words = of_unconfirmed(open);
+        let stand = report.motors.iter().filter(|motor| motor.confirmed);
+        let stand: Vec<MotorId> = stand.map(|motor| motor.id).collect();
+        if !stand.is_empty() {
+            let stand = tr!("Standstill confirmed: {motors}", motors = named(&stand));
+            words.advice.push(stand);
+        }
         if left_driven {
             let why = of_stop_reason(report.reason);
             words.advice.insert(0, why.to_owned());
@@ -290,7 +301,8 @@ fn of_left_driven(report: &StopReport) -> NoticeText {
         [id] => tr!("Motor {id} has been stopped", id),
         ids => tr!("Motors {ids} have been stopped", ids = named(ids)),
     };
-    let why = tr!("Running when the connection was lost. Standstill is confirmed now.");
+    let why =
+        tr!("May have been running when the connection was lost. Standstill is confirmed now.");
     NoticeText::new(Topic::Stop, Tone::Warning, title, &[why])
         .explained_at(HelpTopic::StoppedByItself)
 }
@@ -403,7 +415,9 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::OneMotor => tr!("A motor was stopped."),
         StopReason::Job => tr!("A bus scan is starting."),
         StopReason::OtherModel => tr!("A motor of another model answered."),
-        StopReason::LeftDriven => tr!("Motors were running when the connection was lost."),
+        StopReason::LeftDriven => {
+            tr!("Motors may have been running when the connection was lost.")
+        }
     }
 }
 

@@ -111,6 +111,20 @@ fn what_was_left_driven_is_told_with_its_reason_whether_it_confirms_or_not() {
 }
 
 #[test]
+fn a_stop_names_the_motors_that_stand_beside_those_that_do_not() {
+    let outcome = |id, confirmed| StopOutcome {
+        id,
+        confirmed,
+        speed: None,
+    };
+    let motors = vec![outcome(ID, false), outcome(MotorId::new(2).unwrap(), true)];
+    let reason = StopReason::Operator;
+    let words = said(&Notice::StopEnded(StopReport { reason, motors })).unwrap();
+    assert!(words.contains("not confirmed: motor 0x01"), "{words}");
+    assert!(words.contains("confirmed: 0x02"), "{words}");
+}
+
+#[test]
 fn a_withdrawn_setpoint_says_why() {
     let withdrawn = |reason| said(&Notice::Withdrawn { id: ID, reason }).unwrap();
     assert!(

@@ -142,13 +142,18 @@ impl AngleEstimate {
 
     /// A hold from now on and its first angle; `None` if the angle is unknown or does not fit the motion.
     pub(crate) fn hold(&self, now: Instant) -> Option<(Hold, PositionTarget)> {
-        if self.fit.misfits() {
+        if self.misfits() {
             return None;
         }
         let speed = self.last?.speed;
         let degrees = self.degrees(now)?;
         let hold = Hold { at: now, speed };
         Some((hold, PositionTarget::from_degrees(degrees)))
+    }
+
+    /// Whether the angle has been found not to fit the motion.
+    pub(crate) const fn misfits(&self) -> bool {
+        self.fit.misfits()
     }
 
     /// The angle now; `None` without a reply for 200 ms, or without a reported or confirmed angle

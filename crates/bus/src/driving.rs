@@ -5,7 +5,7 @@ use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 use crate::{
     bus::Bus,
     command::{Consent, Refusal},
-    event::StopReason,
+    event::{Event, StopReason, WithdrawReason},
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
     safety::{Known, check_drive, check_position_switch},
@@ -150,6 +150,10 @@ impl Bus {
             .hold(now)
             .filter(|_| !has_separate_frames);
         let Some((hold, angle)) = estimate else {
+            if motor.angle_estimate.misfits() && !has_separate_frames {
+                let reason = WithdrawReason::AngleMisfits;
+                self.events.push_back(Event::Withdrawn { id, reason });
+            }
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         };

@@ -138,6 +138,8 @@ pub enum WithdrawReason {
     NotEnabled,
     /// The temperature has not been known for two seconds, so its limit cannot be judged.
     TemperatureUnknown,
+    /// Hold was asked for, and the reported angle does not fit the motion: held, it could turn the wheel anywhere.
+    AngleMisfits,
 }
 
 /// Result of a stop.

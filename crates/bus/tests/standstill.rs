@@ -3,7 +3,7 @@
 
 mod fixture;
 
-use motorlink_bus::{Activity, Command, Event, StopOutcome, StopReason};
+use motorlink_bus::{Activity, Command, Event, StopOutcome, StopReason, WithdrawReason};
 use motorlink_protocol::{Mode, Position, family::Model};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
@@ -133,6 +133,8 @@ fn an_angle_that_does_not_fit_the_motion_is_not_held() {
         let before = fixture.world.motor(ID).unwrap().turns();
         fixture.command(Command::Hold(ID)).unwrap();
         assert!(matches!(fixture.activity(), Activity::Stopping { .. }));
+        let reason = WithdrawReason::AngleMisfits;
+        assert!(fixture.happened(|event| *event == Event::Withdrawn { id: ID, reason }));
         fixture.run(ms(1_000));
         let moved = (fixture.world.motor(ID).unwrap().turns() - before) * 360.0;
         assert!(moved.abs() < 60.0, "{wait_ms} ms: {moved}");

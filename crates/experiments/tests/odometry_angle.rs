@@ -30,8 +30,15 @@ fn a_position_run_does_not_start_at_an_angle_of_the_odometry() {
         celsius: None,
         faults: Faults::NONE,
     };
-    runner.telemetry(odometry);
+    assert_eq!(runner.start(now), Err(StartRefusal::NotAnswering(ONE)));
+    let degrees = None;
+    runner.telemetry(Telemetry {
+        degrees,
+        ..odometry
+    });
     assert_eq!(runner.start(now), Err(StartRefusal::NoAngle(ONE)));
+    runner.telemetry(odometry);
+    assert_eq!(runner.start(now), Err(StartRefusal::OtherAngle(ONE)));
     let current = Some(Current::from_raw(0));
     runner.telemetry(Telemetry {
         current,

@@ -369,6 +369,7 @@ impl Rules {
                         self.judge(Rule::LimitsHold);
                     }
                     WithdrawReason::Fault(_)
+                    | WithdrawReason::AngleMisfits
                     | WithdrawReason::NotEnabled
                     | WithdrawReason::OtherLoop { .. } => {}
                 }

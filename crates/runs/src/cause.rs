@@ -29,6 +29,8 @@ const fn withdrawn(id: MotorId, reason: WithdrawReason) -> Cause {
         WithdrawReason::Limit(_) | WithdrawReason::TemperatureUnknown => {
             Cause::Limit(id, ExceededLimit::OfBus)
         }
+        // A person has pressed Hold.
+        WithdrawReason::AngleMisfits => Cause::Stopped,
     }
 }
 

@@ -243,6 +243,10 @@ pub(super) fn not_started(why: StartRefusal) -> String {
             "Motor {id} has not reported its angle. Wait for telemetry.",
             id
         ),
+        StartRefusal::OtherAngle(id) => tr!(
+            "Position setpoints of motor {id} do not count from the angle that it reports. Use a speed.",
+            id
+        ),
         StartRefusal::TooLate => tr!("The page was not responding. Press Run again.").to_owned(),
     }
 }

@@ -121,6 +121,9 @@ pub enum StartRefusal {
     Fault(MotorId, Faults),
     /// The motor has not reported its angle, at which the run begins.
     NoAngle(MotorId),
+    /// Its angle is that of its odometry. Position setpoints count from where the position loop was entered, which no reply
+    /// tells.
+    OtherAngle(MotorId),
     /// The start came too long after the person's act: the page did not respond in between.
     TooLate,
 }
@@ -197,6 +200,11 @@ impl fmt::Display for StartRefusal {
             Self::NoAngle(id) => write!(
                 f,
                 "Motor {} has not reported its angle. Wait for telemetry.",
+                id.get()
+            ),
+            Self::OtherAngle(id) => write!(
+                f,
+                "Position setpoints of motor {} do not count from the angle that it reports. Use a speed.",
                 id.get()
             ),
             Self::TooLate => f.write_str("The page was not responding. Press Start again."),

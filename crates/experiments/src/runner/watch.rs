@@ -163,11 +163,11 @@ impl Watch {
             return Ok(neutral(motor.quantity));
         }
         let fresh = |(at, _): &(Instant, f64)| now.since(*at) <= FRESH_FOR;
-        let (_, degrees) = known
-            .setpoint_degrees
-            .filter(fresh)
-            .ok_or(StartRefusal::NoAngle(id))?;
-        Ok(setpoint_of(Quantity::Degrees, degrees))
+        match known.setpoint_degrees.filter(fresh) {
+            Some((_, degrees)) => Ok(setpoint_of(Quantity::Degrees, degrees)),
+            None if known.degrees.is_some() => Err(StartRefusal::OtherAngle(id)),
+            None => Err(StartRefusal::NoAngle(id)),
+        }
     }
 
     /// Whether a condition is fulfilled for a motor, by telemetry that is not older than `since`.

@@ -181,7 +181,8 @@ pub enum Condition {
     RpmAbove(f64),
     /// The magnitude of the speed is at most this.
     RpmBelow(f64),
-    /// The reported angle is within a tolerance, the shorter way round.
+    /// The reported angle is within a tolerance, the shorter way round. Of a DDSM210 or DDSM400 it is that of its odometry, a
+    /// few times a second: a fast wheel passes a narrow tolerance between two reports.
     DegreesNear {
         /// The angle.
         degrees: f64,
