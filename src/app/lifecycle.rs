@@ -16,9 +16,13 @@ use crate::{
     },
 };
 
-/// How long the last handler of a closing page runs while a wheel turns. The worker ends with that handler,
+/// How long the last handler of a closing page runs while a wheel may turn. The worker ends with that handler,
 /// and braking a wheel from 100 rpm takes about 200 ms of frames. Nothing asynchronous survives the
 /// handler, so this is a bounded busy wait.
+///
+/// It waits whenever rest is not known, not only while the page drives: a motor that has fallen silent may have lost its
+/// replies alone, and then hears its stop, and it keeps its last command for ever if it gets none. A quarter of a second
+/// is the price of that. A page on which nothing was driven, or every motor has confirmed its stop, closes at once.
 const LAST_FRAMES_MS: f64 = 250.0;
 
 const TITLE: &str = "MotorLink";

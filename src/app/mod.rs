@@ -45,7 +45,7 @@ use crate::{
 };
 
 /// How often the page checks that the worker runs; browsers slow down the timers of a hidden page.
-const CHECK_WORKER_EVERY: Duration = Duration::from_secs(1);
+const CHECK_WORKER_EVERY: Duration = Duration::from_millis(333);
 
 /// Shows the page in the preferred language.
 pub fn start() {

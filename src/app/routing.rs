@@ -212,14 +212,18 @@ impl Features {
         }
     }
 
-    /// Checks whether the worker still runs. Called once a second.
+    /// Checks whether the worker still runs. Called three times a second.
     pub(crate) fn check_worker(self) {
-        let pings = self.page.worker.state.get_untracked() == WorkerState::Running
-            && self.page.latest.with_value(|session| {
-                !session.is_recording() && matches!(session.connection, Connection::Connected(_))
+        let runs = self.page.worker.state.get_untracked() == WorkerState::Running;
+        let adapter = self
+            .page
+            .latest
+            .with_value(|session| match session.connection {
+                Connection::Connected(adapter) if runs && !session.is_recording() => Some(adapter),
+                _ => None,
             });
         let died =
-            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(pings));
+            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(adapter));
         if self.page.worker.link.with_value(died) {
             self.worker_lost();
         }

@@ -4,7 +4,7 @@ use std::{cell::Cell, rc::Rc};
 
 use js_sys::Uint8Array;
 use leptos::logging;
-use motorlink_messages::{ToPage, ToWorker, decode, encode};
+use motorlink_messages::{Adapter, ToPage, ToWorker, decode, encode};
 use web_sys::{MessagePort, Worker};
 
 use crate::{
@@ -23,17 +23,43 @@ pub(crate) enum WorkerState {
     Dead,
 }
 
-/// A worker with an open port pings four times a second. After this number of checks without a ping, a second apart,
-/// it counts as failed: a machine that stalls that long must not drive motors. A worker that has ended is noticed at once
-/// (`rescue`); this is for one that runs for ever.
+/// A worker with an open port pings four times a second. After this number of checks without a ping, a third of a second
+/// apart, it counts as failed: four pings are missing, and twice the delay after which the bus itself stops all motors. A
+/// worker that has ended is noticed at once (`rescue`); this is for one that runs for ever.
+///
+/// Checks count, not time: a page that hung gets one check, and then the pings that arrived meanwhile. The timers of a
+/// hidden page fire once a second at most, so it takes three seconds there.
 const SILENT_LOOKS_MAX: u32 = 3;
+/// The same for virtual motors, which a late worker must advance through all the time that it missed. They end with it.
+const SILENT_LOOKS_MAX_VIRTUAL: u32 = 9;
 
 /// The page's end of the link to its worker.
 pub(crate) struct WorkerLink {
     worker: StartedWorker,
-    /// Number of checks since the last ping, if there was one. Time alone is not enough: a page that hung has not
-    /// received the messages that arrived meanwhile.
-    silent_looks: Rc<Cell<Option<u32>>>,
+    pings: Rc<Pings>,
+}
+
+/// Number of checks since the last ping, if there was one.
+#[derive(Debug, Default)]
+struct Pings {
+    silent_looks: Cell<Option<u32>>,
+}
+
+impl Pings {
+    fn received(&self) {
+        self.silent_looks.set(Some(0));
+    }
+
+    /// Checks whether the worker has stopped pinging. `adapter` is that of the port that is open.
+    fn have_ended(&self, adapter: Option<Adapter>) -> bool {
+        let looks = self.silent_looks.get().filter(|_| adapter.is_some());
+        self.silent_looks.set(looks.map(|looks| looks + 1));
+        let most = match adapter {
+            Some(Adapter::Virtual(_)) => SILENT_LOOKS_MAX_VIRTUAL,
+            _ => SILENT_LOOKS_MAX,
+        };
+        looks >= Some(most)
+    }
 }
 
 impl WorkerLink {
@@ -43,8 +69,8 @@ impl WorkerLink {
         mut on_message: impl FnMut(ToPage) + 'static,
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
-        let silent_looks = Rc::new(Cell::new(None));
-        let looks = Rc::clone(&silent_looks);
+        let pings = Rc::<Pings>::default();
+        let received = Rc::clone(&pings);
         let worker = StartedWorker::start(
             Program::Worker,
             Box::new(move |worker, data| {
@@ -52,7 +78,7 @@ impl WorkerLink {
                     // At once and before anything else: a hidden page answers too, and a page whose
                     // handlers no longer run must not answer.
                     Ok(ToPage::Ping) => {
-                        looks.set(Some(0));
+                        received.received();
                         pong(worker);
                     }
                     Ok(message) => {
@@ -66,10 +92,7 @@ impl WorkerLink {
             }),
             Box::new(lost),
         )?;
-        Ok(Self {
-            worker,
-            silent_looks,
-        })
+        Ok(Self { worker, pings })
     }
 
     /// Sends one message, at once.
@@ -89,11 +112,9 @@ impl WorkerLink {
         self.worker.end();
     }
 
-    /// Checks whether the worker has stopped pinging.
-    pub(crate) fn has_died(&self, pings: bool) -> bool {
-        let looks = self.silent_looks.get().filter(|_| pings);
-        self.silent_looks.set(looks.map(|looks| looks + 1));
-        looks >= Some(SILENT_LOOKS_MAX)
+    /// Checks whether the worker has stopped pinging. `adapter` is that of the port that is open.
+    pub(crate) fn has_died(&self, adapter: Option<Adapter>) -> bool {
+        self.pings.have_ended(adapter)
     }
 }
 
@@ -103,5 +124,41 @@ fn pong(worker: &Worker) {
     };
     if let Ok(bytes) = encode(&pong) {
         post(worker, &bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks until the worker counts as failed.
+    fn checks(pings: &Pings, adapter: Adapter) -> usize {
+        let ended = |_: &usize| pings.have_ended(Some(adapter));
+        (1..100).find(ended).unwrap()
+    }
+
+    #[test]
+    fn a_worker_that_pings_no_more_has_failed_after_four_checks() {
+        let pings = Pings::default();
+        assert!(
+            !(0..100).any(|_| pings.have_ended(Some(Adapter::Serial(None)))),
+            "no ping yet"
+        );
+        pings.received();
+        assert_eq!(checks(&pings, Adapter::Serial(None)), 4);
+        pings.received();
+        assert_eq!(checks(&pings, Adapter::VIRTUAL), 10);
+    }
+
+    #[test]
+    fn a_ping_between_two_checks_or_a_closed_port_is_no_failure() {
+        let pings = Pings::default();
+        for _ in 0..100 {
+            pings.received();
+            assert!(!pings.have_ended(Some(Adapter::Serial(None))));
+            // A page that hung: its timer is due, and then it gets what arrived meanwhile.
+            assert!(!pings.have_ended(Some(Adapter::Serial(None))));
+        }
+        assert!(!(0..100).any(|_| pings.have_ended(None)));
     }
 }
