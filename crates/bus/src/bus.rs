@@ -211,6 +211,7 @@ impl Bus {
         }
         self.look_for_reply(now);
         self.end_spent_window(now);
+        self.stop_what_is_back(now);
         self.supervise_motors(now);
         let turn = match self.line {
             Line::Busy(exchange) => Turn::At(exchange.deadline()),

@@ -42,6 +42,19 @@ impl Bus {
         }
     }
 
+    /// Stops again what was driven on a line that was dead, and answers again: its stop frames did not arrive, and it may
+    /// have kept its last command. All such motors are stopped together, since their line is most likely the same.
+    ///
+    /// A motor that answered during its whole stop is left alone: a person may hold its wheel.
+    pub(crate) fn stop_what_is_back(&mut self, now: Instant) {
+        let is_stopped = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
+        let waits = |motor: &Motor| motor.stop_when_back && !is_stopped(motor);
+        let is_back = |motor: &Motor| waits(motor) && !motor.is_without_answer();
+        if self.motors.iter().any(is_back) {
+            self.begin_stop(now, StopReason::LeftDriven, waits);
+        }
+    }
+
     /// The motors that are driven, or whose standstill is not confirmed since: what to remember if the port is lost now.
     ///
     /// Before each frame that may start a motion, the motor is among them.

@@ -117,6 +117,9 @@ pub(crate) struct Motor {
     pub(crate) control: Control,
     /// Whether it was driven and no reply has reported standstill since.
     pub(crate) may_turn: bool,
+    /// Whether it was silent when it was last stopped, or has fallen silent since, and its standstill is not confirmed:
+    /// its stop begins again when it answers.
+    pub(crate) stop_when_back: bool,
     /// Whether a raw frame may have moved it since its last stop.
     pub(crate) moved_raw: bool,
     /// The loop that an earlier connection left it in, until it answers.
@@ -173,6 +176,7 @@ impl Motor {
             separate: Separate::default(),
             control: Control::Idle,
             may_turn: false,
+            stop_when_back: false,
             moved_raw: false,
             left_in: None,
             turning_unasked: TurningUnasked::default(),
@@ -355,6 +359,9 @@ impl Motor {
         // Three lost replies in a row are not enough: with 15 % of replies lost, this happens once in 300 frames.
         let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
         self.separate.unanswered(may_be_off);
+        if may_be_off && matches!(self.control, Control::Stopping(_)) {
+            self.stop_when_back = self.may_turn;
+        }
     }
 
     /// Whether this reading cannot follow the last one: its temperature has jumped, or its angle is back at zero. Then
@@ -391,6 +398,7 @@ impl Motor {
         // A motor that never answered may not exist. If it was driven all the same, it still may turn.
         self.may_turn |= self.has_answered();
         self.moved_raw = false;
+        self.stop_when_back = false;
         self.turning_unasked.clear();
         self.exceeded = None;
     }

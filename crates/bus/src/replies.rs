@@ -39,6 +39,7 @@ impl Bus {
             exchange.last_byte = Some(now);
         }
         self.look_for_reply(now);
+        self.stop_what_is_back(now);
     }
 
     /// Ends the exchange in flight if its reply has arrived.

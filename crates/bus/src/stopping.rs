@@ -102,6 +102,7 @@ impl Bus {
                 let confirmed = stop.confirmed();
                 // A motor that was never driven and never answers does not begin to turn by it.
                 motor.may_turn &= !confirmed;
+                motor.stop_when_back &= !confirmed;
                 motor.control = Control::Idle;
                 let speed = motor.fresh_speed(now);
                 outcomes.push(StopOutcome {

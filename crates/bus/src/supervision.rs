@@ -28,6 +28,7 @@ impl Bus {
         for motor in &mut self.motors {
             if motor.falls_silent(now) {
                 motor.silent = true;
+                motor.stop_when_back |= motor.may_turn;
                 self.events.push_back(Event::MotorSilent {
                     id: motor.id,
                     garbled: motor.garbled_in_a_row > motor.lost_in_a_row / 2,

@@ -54,6 +54,17 @@ pub enum Action {
         /// Time without a bus.
         back_after: Duration,
     },
+    /// The adapter is plugged into another computer, after the page here has crashed: a page that knows of nothing that
+    /// was driven.
+    AnotherComputer {
+        /// Time without a bus.
+        back_after: Duration,
+    },
+    /// A cable is loose: for this time nothing passes the line. The port stays open, and the motors keep their supply.
+    LineDies {
+        /// How long.
+        lasts: Duration,
+    },
     /// The worker does not run for a while; the motors do.
     WorkerAbsent {
         /// The cause.
@@ -237,6 +248,10 @@ pub enum Fault {
     PageCrashed,
     /// The worker died.
     WorkerDied,
+    /// The adapter was plugged into another computer.
+    AnotherComputer,
+    /// Nothing passed the line for a while.
+    LineDied,
     /// The worker did not run for a while.
     Away(Absence),
     /// The port refused frames.
@@ -245,6 +260,8 @@ pub enum Fault {
     Cut,
     /// A motor needs all five mode switches.
     NeedsFiveSwitches,
+    /// A motor reports -0.1 rpm at all times.
+    SpeedStuck,
     /// A motor obeys drive frames to 0xC8.
     ObeysAll,
     /// Motors keep their last command when frames cease.
@@ -290,6 +307,8 @@ impl Action {
             Self::Replug => Some(Fault::Replugged),
             Self::PageCrashes { .. } => Some(Fault::PageCrashed),
             Self::WorkerDies { .. } => Some(Fault::WorkerDied),
+            Self::AnotherComputer { .. } => Some(Fault::AnotherComputer),
+            Self::LineDies { .. } => Some(Fault::LineDied),
             Self::WorkerAbsent { cause, .. } => Some(Fault::Away(*cause)),
             Self::PortRefuses { .. } => Some(Fault::Refused),
             Self::PortTruncates { .. } => Some(Fault::Cut),

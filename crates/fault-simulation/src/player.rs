@@ -13,7 +13,7 @@ use motorlink_protocol::{
     Frame, Instant, Mode, MotorId,
     family::{Model, Request},
 };
-use motorlink_simulator::{MotorConfig, Sender, World, WorldConfig};
+use motorlink_simulator::{MotorConfig, Sender, WireFaults, World, WorldConfig};
 
 use crate::{
     action::{Action, Fault, LineFault, PendingInput},
@@ -40,6 +40,8 @@ const STANDS_RPM: f32 = 1.0;
 const LATE_MAX: Duration = Duration::from_millis(500);
 /// Mode switch frames for a motor that needs many.
 const MANY_SWITCHES: u8 = 5;
+/// The speed that a motor was seen to report for ever: `waveshareteam/ddsm_example#2`.
+const STUCK_RPM: f32 = -0.1;
 
 /// Coverage of the played scenarios.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -86,6 +88,7 @@ pub fn play(scenario: &Scenario, coverage: &mut Coverage) -> Result<(), Failure>
         }
     };
     count(Fault::NeedsFiveSwitches, scenario.need_five_switches.len());
+    count(Fault::SpeedStuck, scenario.speed_stuck.len());
     count(Fault::ObeysAll, usize::from(scenario.obey_all));
     count(Fault::of_firmware(scenario.when_silent), 1);
     for (step, action) in scenario.actions.iter().enumerate() {
@@ -129,6 +132,7 @@ struct Player {
     model: Model,
     /// Whether Stop all motors is in force. It outlives the port.
     halted: bool,
+    line: LineFault,
     /// What is remembered if the bus is lost now: what was left driven before the last frame.
     left_driven: Vec<LeftDriven>,
     page_answers: bool,
@@ -174,11 +178,12 @@ impl Player {
             bus: None,
             model: scenario.model,
             halted: false,
+            line: LineFault::None,
             left_driven: Vec::new(),
             page_answers: true,
             clicked: Vec::new(),
             settings: BusSettings::default(),
-            rules: Rules::of(scenario.model),
+            rules: Rules::of(scenario.model, &scenario.speed_stuck),
             motors: scenario.motors.clone(),
             acted: 0,
             wakes: (now, 0),
@@ -221,16 +226,21 @@ impl Player {
         self.run(back_after)
     }
 
+    fn new_page(&mut self) {
+        self.clicked.clear();
+        self.page_answers = true;
+        self.rules.page(self.now, true);
+        self.halted = false;
+        self.plug();
+    }
+
     fn apply(&mut self, action: &Action) -> Result<(), Violation> {
         match action {
             Action::Command(command) if self.page_answers => self.command(self.now, *command)?,
             // It is delivered when the page resumes.
             Action::Command(command) => self.clicked.push((self.now, *command)),
             Action::Pause(duration) => self.run(*duration)?,
-            Action::Line(line) => {
-                self.world.set_faults(line.faults());
-                self.rules.line(self.now, *line == LineFault::None);
-            }
+            Action::Line(line) => self.set_line(*line),
             Action::Power { id, on } => {
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.power(*on);
@@ -275,15 +285,29 @@ impl Player {
             }
             Action::PageCrashes { back_after } => {
                 self.lose_bus(*back_after)?;
-                self.clicked.clear();
-                self.page_answers = true;
-                self.rules.page(self.now, true);
-                self.halted = false;
-                self.plug();
+                self.new_page();
             }
             Action::WorkerDies { back_after } => {
                 self.lose_bus(*back_after)?;
                 self.plug();
+            }
+            Action::AnotherComputer { back_after } => {
+                self.lose_bus(*back_after)?;
+                self.left_driven.clear();
+                self.new_page();
+                self.rules.knows_nothing(self.now);
+            }
+            Action::LineDies { lasts } => {
+                self.world.set_faults(WireFaults {
+                    lose_request: 1.0,
+                    ..self.line.faults()
+                });
+                self.rules.line(self.now, false);
+                self.run(*lasts)?;
+                self.set_line(self.line);
+                if let Some(bus) = &self.bus {
+                    self.rules.line_back(self.now, bus, &self.world);
+                }
             }
             Action::WorkerAbsent {
                 duration, pending, ..
@@ -302,6 +326,12 @@ impl Player {
             }
         }
         self.run(Duration::ZERO)
+    }
+
+    fn set_line(&mut self, line: LineFault) {
+        self.line = line;
+        self.world.set_faults(line.faults());
+        self.rules.line(self.now, line == LineFault::None);
     }
 
     /// Does what is due for the run.
@@ -516,9 +546,16 @@ impl Player {
         Ok(())
     }
 
-    /// A motor may keep its last command: it must be one that moves nothing.
+    /// A motor may keep its last command: it must be one that moves nothing. A motor whose new ID the page has not learned,
+    /// since the line hid the answer or another computer came, is out of its reach.
     fn every_wheel_stands(&self) -> Result<(), Violation> {
-        for motor in self.world.motors() {
+        let bus = self.bus.iter();
+        let known: Vec<MotorId> = bus
+            .flat_map(|bus| bus.motors(self.now))
+            .map(|it| it.id)
+            .collect();
+        let motors = self.world.motors();
+        for motor in motors.filter(|motor| known.contains(&motor.id())) {
             let (speed_rpm, obeyed) = (motor.speed_rpm(), motor.obeyed());
             if speed_rpm.abs() >= STANDS_RPM {
                 let what = format!("{} turns at {speed_rpm} rpm by {obeyed:?}", motor.id());
@@ -673,6 +710,8 @@ fn motor(scenario: &Scenario, id: MotorId) -> MotorConfig {
     MotorConfig {
         mode_switch_frames,
         obeys_all: scenario.obey_all,
+        angle_deg: scenario.angle_deg,
+        speed_stuck_rpm: scenario.speed_stuck.contains(&id).then_some(STUCK_RPM),
         when_silent: scenario.when_silent,
         ..default
     }

@@ -47,6 +47,12 @@ pub enum Rule {
     ReversalPassesZero,
     /// What was driven when the port was lost is stopped first when it is back, and the report names it.
     StoppedAfterALoss,
+    /// What was driven when a line died is stopped before anything else once it answers again, and the report names it.
+    StoppedAfterADeadLine,
+    /// No motor that turns is reported to stand, also if it reports no speed.
+    StandstillIsTrue,
+    /// A motor that moves though nothing drives it is said to, from the first report of it on, and no other is.
+    UnaskedIsSaid,
     /// On a good line each motor of a stop is braked in time, in the velocity loop.
     FirstBrakeInTime,
     /// On a good line a stop ends in time, and every motor of it has confirmed.
@@ -59,7 +65,7 @@ pub enum Rule {
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 27] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -80,6 +86,9 @@ impl Rule {
         Self::NothingAboveALimit,
         Self::ReversalPassesZero,
         Self::StoppedAfterALoss,
+        Self::StoppedAfterADeadLine,
+        Self::StandstillIsTrue,
+        Self::UnaskedIsSaid,
         Self::FirstBrakeInTime,
         Self::StopsConfirm,
         Self::NoInventedValue,

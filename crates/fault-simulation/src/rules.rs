@@ -10,6 +10,7 @@
 //! | `asked` | whether every motor is asked in time |
 //! | `bounds` | limits of every frame on the wire |
 //! | `liveness` | what must happen on a good line: brakes, ends of stops, stops after a loss |
+//! | `unasked` | whether a motor that moves though nothing drives it is said to |
 //! | `invented` | whether every value of a sample was in a reply of that age |
 
 mod asked;
@@ -20,6 +21,7 @@ mod motion;
 mod operator;
 mod said;
 mod truth;
+mod unasked;
 mod wire;
 
 use std::{collections::BTreeMap, time::Duration};
@@ -36,7 +38,7 @@ use motorlink_simulator::World;
 
 use self::{
     asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
-    operator::Operator, said::may_obey, truth::Truth, wire::Wire,
+    operator::Operator, said::may_obey, truth::Truth, unasked::Unasked, wire::Wire,
 };
 use crate::rule::{Outcome, Rule, broken};
 
@@ -54,6 +56,8 @@ const STOP_ENDS_WITHIN: Duration = Duration::from_secs(4);
 #[derive(Debug, Default)]
 pub(crate) struct Rules {
     model: Model,
+    /// Motors that report no speed, however fast they turn.
+    speed_stuck: Vec<MotorId>,
     operator: Operator,
     wire: Wire,
     truth: Truth,
@@ -62,6 +66,7 @@ pub(crate) struct Rules {
     liveness: Liveness,
     invented: Invented,
     asked: Asked,
+    unasked: Unasked,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
@@ -74,10 +79,11 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
-    /// The rules for motors of this model.
-    pub(crate) fn of(model: Model) -> Self {
+    /// The rules for motors of this model, of which these report no speed.
+    pub(crate) fn of(model: Model, speed_stuck: &[MotorId]) -> Self {
         Self {
             model,
+            speed_stuck: speed_stuck.to_vec(),
             operator: Operator::of(model),
             wire: Wire::of(model),
             truth: Truth::of(model),
@@ -104,7 +110,14 @@ impl Rules {
         let raw = self.operator.raw();
         self.operator.on_command(now, given, command, answer)?;
         match answer {
-            Ok(()) => self.carried_out(now, command, raw, world),
+            Ok(()) => {
+                if let Command::SendRaw { frame, .. } = command
+                    && is_hazardous(&frame)
+                {
+                    self.unasked.sent_by_hand(&frame, bus, now);
+                }
+                self.carried_out(now, command, raw, world);
+            }
             Err(Refusal::AboveSpeedLimit(_) | Refusal::NeedsConsent(_)) => {
                 self.judge(Rule::NothingAboveALimit);
             }
@@ -151,7 +164,12 @@ impl Rules {
                 self.liveness.asked(|id| may_obey(&frame, *id));
                 self.motion.asked(|id| may_obey(&frame, *id));
             }
-            Command::Hold(id) if self.motion.hold(now, id, world) => self.judge(Rule::HoldHolds),
+            // Where a wheel will be is not known without its speed.
+            Command::Hold(id)
+                if !self.speed_stuck.contains(&id) && self.motion.hold(now, id, world) =>
+            {
+                self.judge(Rule::HoldHolds);
+            }
             _ => {}
         }
     }
@@ -219,6 +237,8 @@ impl Rules {
         }
         let judged = self.asked.settled(now, bus)?;
         *self.judged.entry(Rule::AskedInTime).or_default() += judged;
+        let judged = self.unasked.settled(now, bus)?;
+        *self.judged.entry(Rule::UnaskedIsSaid).or_default() += judged;
         self.check_active_setpoints(now, bus)
     }
 
@@ -253,6 +273,7 @@ impl Rules {
         self.bounds.port_lost();
         self.liveness.port_lost();
         self.asked = Asked::default();
+        self.unasked = Unasked::default();
         self.operator.port_lost();
         self.wire.port_lost();
         self.stops.clear();
@@ -264,6 +285,17 @@ impl Rules {
     pub(crate) fn port_opened(&mut self, now: Instant, world: &World) {
         self.liveness.port_opened(now, world);
         self.asked.excused(now);
+    }
+
+    /// The page knows of nothing that was driven.
+    pub(crate) fn knows_nothing(&mut self, now: Instant) {
+        self.liveness.knows_nothing();
+        self.bounds.knows_nothing(now);
+    }
+
+    /// A line that was dead passes frames again.
+    pub(crate) fn line_back(&mut self, now: Instant, bus: &Bus, world: &World) {
+        self.liveness.line_back(now, bus, world);
     }
 
     /// A frame goes out.
@@ -292,8 +324,9 @@ impl Rules {
             }
         } else {
             match Request::parse(self.model, &frame) {
-                Ok(Request::Drive { .. }) => {
-                    self.liveness.drives(now)?;
+                Ok(Request::Drive { id, .. }) => {
+                    let by_hand = raw.is_some();
+                    self.liveness.drives(now, id, by_hand)?;
                     self.judge(Rule::DrivenByCommandOnly);
                     self.judge(Rule::NoMoreThanCommanded);
                 }
@@ -360,6 +393,7 @@ impl Rules {
                 for rule in self.liveness.stop_ended(now, report)? {
                     self.judge(rule);
                 }
+                self.confirmed_stand(now, report, world)?;
                 return self.names_all(now, report);
             }
             Event::Withdrawn { id, reason } => {
@@ -379,6 +413,7 @@ impl Rules {
             Event::Telemetry(sample) => {
                 self.judge(Rule::TelemetryIsTrue);
                 self.invented.reported(now, sample)?;
+                self.unasked.reported(*sample);
                 self.judge(Rule::NoInventedValue);
             }
             Event::Line(traffic) => self.judge(match traffic.kind {
@@ -386,6 +421,19 @@ impl Rules {
                 _ => Rule::LogIsComplete,
             }),
             _ => {}
+        }
+        Ok(())
+    }
+
+    /// A motor that reports no speed is confirmed by its angle.
+    fn confirmed_stand(&mut self, now: Instant, report: &StopReport, world: &World) -> Outcome {
+        for outcome in &report.motors {
+            if self.speed_stuck.contains(&outcome.id) {
+                self.judge(Rule::StandstillIsTrue);
+                truth::confirmed(Rule::StandstillIsTrue, now, outcome, world)?;
+            } else {
+                truth::confirmed(Rule::StopEnds, now, outcome, world)?;
+            }
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Generates a list of actions from a seed.
 
-use std::time::Duration;
+use std::{ops::Range, time::Duration};
 
 use fastrand::Rng;
 use motorlink_bus::{BusSettings, Command, SetIdFrames, StopReason};
@@ -26,6 +26,17 @@ const LOSSES: u64 = 0x1055_0F1D;
 const FIRMWARE: u64 = 0xF1E3_A4E5;
 /// A loss comes before one action in this many.
 const LOSS_EVERY: u8 = 40;
+/// So have lines that die and adapters that another computer gets, and what differs between motors.
+const DEAD_LINES: u64 = 0xDEAD_11E5;
+const MOTORS: u64 = 0x0030_7025;
+/// One of them comes before one action in this many.
+const DEAD_LINE_EVERY: u8 = 50;
+/// How long a line is dead: longer than any stop that begins on it. A stop that still runs when the line is back sends a
+/// silent motor switches and brakes in turn, and a brake that arrives first turns a motor in the position loop by some
+/// degrees.
+const DEAD_MS: Range<u64> = 4_500..25_000;
+/// In one world of this many, motors report no speed.
+const STUCK_EVERY: u8 = 6;
 /// Pauses after an action in milliseconds: from within an exchange to the end of any stop.
 const PAUSES_MS: [u64; 8] = [0, 1, 3, 10, 30, 150, 700, 2_500];
 
@@ -44,6 +55,10 @@ pub struct Scenario {
     pub obey_all: bool,
     /// What the motors do when drive frames cease.
     pub when_silent: WhenSilent,
+    /// Motors that report -0.1 rpm however fast they turn.
+    pub speed_stuck: Vec<MotorId>,
+    /// The angle of each wheel at the start, in degrees.
+    pub angle_deg: f32,
     /// The actions in order.
     pub actions: Vec<Action>,
 }
@@ -77,7 +92,7 @@ impl Scenario {
     /// The scenario of this seed for DDSM115 motors.
     #[must_use]
     pub fn from_seed(seed: u64) -> Self {
-        Self::without_losses(seed).with_losses()
+        Self::without_losses(seed).with_losses().with_dead_lines()
     }
 
     fn without_losses(seed: u64) -> Self {
@@ -110,6 +125,11 @@ impl Scenario {
             let pause = PAUSES_MS.get(generator.rng.usize(..PAUSES_MS.len()));
             actions.push(pause_ms(pause.copied().unwrap_or_default()));
         }
+        let mut rng = Rng::with_seed(seed ^ MOTORS);
+        let angle_deg = rng.f32() * 360.0;
+        let is_stuck = rng.u8(..STUCK_EVERY) == 0;
+        let mut speed_stuck = generator.motors.clone();
+        speed_stuck.retain(|_| is_stuck && rng.bool());
         Self {
             seed,
             model: Model::Ddsm115,
@@ -117,6 +137,8 @@ impl Scenario {
             need_five_switches,
             obey_all,
             when_silent: firmware(seed),
+            speed_stuck,
+            angle_deg,
             actions,
         }
     }
@@ -145,6 +167,45 @@ impl Scenario {
                         Action::WorkerDies { back_after }
                     },
                     pause_ms(rng.u64(..2_500)),
+                ]);
+            }
+            actions.push(action);
+        }
+        Self { actions, ..self }
+    }
+
+    /// The same with lines that die for a while, and adapters that another computer gets; half of them while a wheel turns.
+    fn with_dead_lines(self) -> Self {
+        let mut rng = Rng::with_seed(self.seed ^ DEAD_LINES);
+        let mut actions = Vec::new();
+        for action in self.actions {
+            if rng.u8(..DEAD_LINE_EVERY) == 0 {
+                let place = rng.usize(..self.motors.len().max(1));
+                let id = self.motors.get(place).copied().unwrap_or(MotorId::FIRST);
+                let speed = Setpoint::velocity(SpeedTarget::clamped(rng.i32(-150..=150)));
+                // An even number of actions, as above.
+                if rng.bool() {
+                    actions.extend([
+                        Action::Replug,
+                        Action::PageHangs(false),
+                        Action::Line(LineFault::None),
+                        Action::Power { id, on: true },
+                        Action::Command(Command::Release),
+                        // A DDSM400 is enabled meanwhile.
+                        pause_ms(2_500),
+                        drive(id, speed),
+                        pause_ms(rng.u64(1..900)),
+                    ]);
+                }
+                actions.extend([
+                    if rng.bool() {
+                        let lasts = Duration::from_millis(rng.u64(DEAD_MS));
+                        Action::LineDies { lasts }
+                    } else {
+                        let back_after = Duration::from_millis(rng.u64(50..3_000));
+                        Action::AnotherComputer { back_after }
+                    },
+                    pause_ms(rng.u64(..4_000)),
                 ]);
             }
             actions.push(action);
@@ -182,7 +243,7 @@ impl Scenario {
             actions,
             ..scenario
         };
-        scenario.with_losses()
+        scenario.with_losses().with_dead_lines()
     }
 }
 

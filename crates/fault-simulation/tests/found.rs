@@ -92,6 +92,8 @@ fn holds(seed: u64, motors: u8, actions: Vec<Action>) {
             need_five_switches: Vec::new(),
             obey_all: false,
             when_silent,
+            speed_stuck: Vec::new(),
+            angle_deg: 0.0,
             actions: actions.clone(),
         };
         if let Err(failure) = play(&scenario, &mut Coverage::default()) {

@@ -13,7 +13,7 @@ const SEEDS: u64 = 1_000;
 /// For each of the other models.
 const SEEDS_OF_OTHERS: u64 = 100;
 /// So many kinds of fault there are.
-const KINDS: usize = 33;
+const KINDS: usize = 36;
 /// Each fault happens, and each rule has something to judge, at least so often.
 const EACH: u64 = 25;
 

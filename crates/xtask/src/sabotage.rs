@@ -35,7 +35,7 @@ struct Sabotage {
 }
 
 /// One for each rule at least.
-const SABOTAGES: [Sabotage; 26] = [
+const SABOTAGES: [Sabotage; 29] = [
     Sabotage {
         rule: "DrivenByCommandOnly",
         what: "a stopped motor is driven on at 50 rpm",
@@ -201,6 +201,27 @@ const SABOTAGES: [Sabotage; 26] = [
         file: "crates/bus/src/left_driven.rs",
         from: "        starts || self.may_turn\n",
         to: "        starts\n",
+    },
+    Sabotage {
+        rule: "StoppedAfterADeadLine",
+        what: "what a dead line left driven is not stopped when it answers again",
+        file: "crates/bus/src/left_driven.rs",
+        from: "motor.stop_when_back && !is_stopped(motor);",
+        to: "motor.stop_when_back && !is_stopped(motor) && now == Instant::ZERO;",
+    },
+    Sabotage {
+        rule: "StandstillIsTrue",
+        what: "a standstill is confirmed by the speed alone",
+        file: "crates/bus/src/stop.rs",
+        from: "self.standstill_replies >= STANDSTILL_REPLIES && self.angle_stands",
+        to: "self.standstill_replies >= STANDSTILL_REPLIES",
+    },
+    Sabotage {
+        rule: "UnaskedIsSaid",
+        what: "a wheel that nothing drives counts as turning from 100 rpm on",
+        file: "crates/bus/src/turning_unasked.rs",
+        from: "speed.magnitude() >= UNASKED_RPM",
+        to: "speed.magnitude() >= UNASKED_RPM * 10",
     },
     Sabotage {
         rule: "FirstBrakeInTime",

@@ -19,11 +19,11 @@ impl Motor {
     pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, others_driven: bool) {
         self.separate.asks_loop = !self.separate.asks_loop;
         // A silent motor costs the others a reply window each time, so it is queried more and more
-        // rarely.
+        // rarely, unless its wheel may turn.
         let period = if !self.silent {
             self.silent_queries = 0;
             period
-        } else if others_driven {
+        } else if others_driven && !self.stop_when_back {
             self.silent_queries = (self.silent_queries + 1).min(PROBE_DOUBLINGS_MAX);
             SILENT_QUERY_PERIOD * (1 << self.silent_queries)
         } else {

@@ -33,6 +33,8 @@ pub(super) struct Bounds {
     arrived: VecDeque<u8>,
     /// Motors with consent to a high current.
     consented: BTreeSet<MotorId>,
+    /// Of frames from before this moment the page knows nothing.
+    known_since: Instant,
 }
 
 /// A reply that a motor sent.
@@ -81,6 +83,11 @@ impl Bounds {
         self.consented.clear();
     }
 
+    /// The page knows of nothing that was driven.
+    pub(super) fn knows_nothing(&mut self, now: Instant) {
+        self.known_since = now;
+    }
+
     /// An operator's setpoint was accepted.
     pub(super) fn on_command(&mut self, id: MotorId, consent: Consent) {
         if consent == Consent::HighCurrent {
@@ -96,7 +103,8 @@ impl Bounds {
             let torque = &mut self.motors.entry(motor.id()).or_default().torque;
             // Without a controller a torque reverses as in the current loop.
             let has_torque = matches!(motor.mode(), Mode::Current | Mode::OpenLoop);
-            let obeyed = motor.obeyed().filter(|_| has_torque);
+            let is_known = |received: Instant| has_torque && received >= self.known_since;
+            let obeyed = motor.obeyed().filter(|(received, _)| is_known(*received));
             *torque = match (*torque, obeyed.map(|(_, drive)| drive.signed())) {
                 // A coasting wheel has no torque to reverse.
                 (_, None) => Torque::None,

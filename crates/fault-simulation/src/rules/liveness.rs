@@ -1,12 +1,12 @@
 //! What must happen on a healthy line: a stop brakes in time and ends confirmed, also of what was left driven when the
-//! port was lost.
+//! port was lost or the line died.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
     time::Duration,
 };
 
-use motorlink_bus::{Bus, FIRST_BRAKE_MAX, StopReport};
+use motorlink_bus::{Activity, Bus, FIRST_BRAKE_MAX, StopReport};
 use motorlink_protocol::{Instant, Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
@@ -14,6 +14,8 @@ use crate::rule::{Outcome, Rule, Violation, broken};
 
 /// A stop ends within this, and every motor of it has confirmed.
 const CONFIRMS_WITHIN: Duration = Duration::from_millis(1_500);
+/// A silent motor that may turn is asked at least so often: its line may have died.
+const LOOKED_FOR_WITHIN: Duration = Duration::from_secs(1);
 /// After a faulty line becomes healthy, held bytes have arrived within this time.
 const LINE_CLEARS: Duration = Duration::from_millis(250);
 /// Below this speed a wheel stands.
@@ -31,6 +33,11 @@ pub(super) struct Liveness {
     /// Motors that turned or were driven when the port was opened, and that no ended stop has named yet.
     left_driven: BTreeSet<MotorId>,
     opened: Instant,
+    /// Motors that turned when a page came that knows of nothing, until they are driven or stopped here.
+    unknown: BTreeSet<MotorId>,
+    /// Motors that turned or were driven when a dead line passed frames again, with that time, until an ended stop names
+    /// them.
+    back: BTreeMap<MotorId, Instant>,
 }
 
 impl Liveness {
@@ -50,13 +57,31 @@ impl Liveness {
         self.disturbed();
         self.unbraked.clear();
         self.left_driven.clear();
+        self.back.clear();
         self.stop_began = None;
+    }
+
+    /// The page knows of nothing that was driven.
+    pub(super) fn knows_nothing(&mut self) {
+        self.unknown.append(&mut self.left_driven);
+    }
+
+    /// A line that was dead passes frames again. What turns, and was driven here, has missed its stop.
+    pub(super) fn line_back(&mut self, now: Instant, bus: &Bus, world: &World) {
+        for status in bus.motors(now) {
+            let is_moved = world.motor(status.id).is_some_and(is_moved);
+            let is_let_go = matches!(status.activity, Activity::Idle | Activity::Stopping { .. });
+            if is_moved && is_let_go && status.may_turn {
+                self.back.insert(status.id, now);
+            }
+        }
     }
 
     /// The port is open. What turns was left driven.
     pub(super) fn port_opened(&mut self, now: Instant, world: &World) {
         let left = world.motors().filter(|motor| is_moved(motor));
-        self.left_driven = left.map(VirtualMotor::id).collect();
+        let left = left.map(VirtualMotor::id);
+        self.left_driven = left.filter(|id| !self.unknown.contains(id)).collect();
         self.opened = now;
     }
 
@@ -71,6 +96,7 @@ impl Liveness {
     /// A person asked for something else of these motors.
     pub(super) fn asked(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
         self.unbraked.retain(|id, _| !is_asked(id));
+        self.unknown.retain(|id| !is_asked(id));
     }
 
     /// A stop has ended. Returns the rules that were applied.
@@ -86,8 +112,12 @@ impl Liveness {
         });
         for outcome in &report.motors {
             self.unbraked.remove(&outcome.id);
+            self.unknown.remove(&outcome.id);
             if self.left_driven.remove(&outcome.id) {
                 judged.push(Rule::StoppedAfterALoss);
+            }
+            if self.back.remove(&outcome.id).is_some() {
+                judged.push(Rule::StoppedAfterADeadLine);
             }
             if is_healthy {
                 judged.push(Rule::StopsConfirm);
@@ -100,8 +130,12 @@ impl Liveness {
         Ok(judged)
     }
 
-    /// A frame goes out that may move a wheel.
-    pub(super) fn drives(&self, now: Instant) -> Outcome {
+    /// A frame goes out to this motor that may move its wheel; `by_hand` if a person has written it.
+    pub(super) fn drives(&self, now: Instant, id: MotorId, by_hand: bool) -> Outcome {
+        if !by_hand && self.back.contains_key(&id) {
+            let what = format!("{id} is driven before it has been stopped");
+            return broken(Rule::StoppedAfterADeadLine, now, what);
+        }
         match self.left_driven.first() {
             Some(id) => {
                 let what = format!("a motor is driven before {id} has been stopped");
@@ -141,6 +175,19 @@ impl Liveness {
             let rpm = world.motor(*id).map(VirtualMotor::speed_rpm);
             let what = format!("{id} was left driven, is in no report, and turns at {rpm:?} rpm");
             return broken(Rule::StoppedAfterALoss, now, what);
+        }
+        // A scan asks the motor in its turn.
+        if bus.job().is_some() {
+            for since in self.back.values_mut() {
+                *since = now;
+            }
+        }
+        let is_late = |since: Instant| is_over(since + LOOKED_FOR_WITHIN);
+        if let Some((id, since)) = self.back.iter().find(|(_, since)| is_late(**since)) {
+            let rpm = world.motor(*id).map(VirtualMotor::speed_rpm);
+            let what =
+                format!("{id} is back since {since:?}, not stopped, and turns at {rpm:?} rpm");
+            return broken(Rule::StoppedAfterADeadLine, now, what);
         }
         Ok(judged)
     }

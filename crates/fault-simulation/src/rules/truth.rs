@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{Event, Sample, StopReport};
+use motorlink_bus::{Event, Sample, StopOutcome};
 use motorlink_protocol::{Detail, Frame, Instant, MotorId, family::Model};
 use motorlink_simulator::{VirtualMotor, World};
 
@@ -81,7 +81,6 @@ impl Truth {
     pub(super) fn on_event(&self, now: Instant, event: &Event, world: &World) -> Outcome {
         match event {
             Event::Telemetry(sample) => self.reported(now, sample, world),
-            Event::StopEnded(report) => confirmed(now, report, world),
             _ => Ok(()),
         }
     }
@@ -124,13 +123,11 @@ impl Truth {
 }
 
 /// A motor that is reported to stand does.
-fn confirmed(now: Instant, report: &StopReport, world: &World) -> Outcome {
-    for outcome in report.motors.iter().filter(|outcome| outcome.confirmed) {
-        let speed = world.motor(outcome.id).map_or(0.0, VirtualMotor::speed_rpm);
-        if speed.abs() > CONFIRMED_RPM {
-            let what = format!("{} is said to stand, and turns at {speed} rpm", outcome.id);
-            return broken(Rule::StopEnds, now, what);
-        }
+pub(super) fn confirmed(rule: Rule, now: Instant, outcome: &StopOutcome, world: &World) -> Outcome {
+    let speed = world.motor(outcome.id).map_or(0.0, VirtualMotor::speed_rpm);
+    if outcome.confirmed && speed.abs() > CONFIRMED_RPM {
+        let what = format!("{} is said to stand, and turns at {speed} rpm", outcome.id);
+        return broken(rule, now, what);
     }
     Ok(())
 }
