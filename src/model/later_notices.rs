@@ -47,17 +47,36 @@ fn of_notice(notice: &Notice) -> Option<NoticeText> {
         Notice::IdChangeEnded { from, to, outcome } => {
             Some(scan_texts::of_id_change(*from, *to, *outcome))
         }
-        Notice::AnswersInJson => Some(NoticeText::new(
+        Notice::SendsText { is_json: true } => Some(NoticeText::new(
             Topic::Line,
             Tone::Warning,
             tr!("The driver board answers in JSON"),
-            &[tr!(
-                "Set the switch of the DDSM Driver HAT away from ESP32: then USB reaches the motors \
-                 directly."
-            )],
+            &[
+                tr!(
+                    "Set the switch of the DDSM Driver HAT away from ESP32: then USB reaches the motors \
+                     directly."
+                ),
+                choose_another_port(),
+            ],
+        )),
+        Notice::SendsText { is_json: false } => Some(NoticeText::new(
+            Topic::Line,
+            Tone::Warning,
+            tr!("Another device sends text on this port"),
+            &[
+                tr!(
+                    "No motor sends text, so this port is left alone while the text goes on. It may be the log of a \
+                     controller."
+                ),
+                choose_another_port(),
+            ],
         )),
         _ => None,
     }
+}
+
+fn choose_another_port() -> &'static str {
+    tr!("Another adapter? Press Disconnect, then Connect, and choose its port.")
 }
 
 fn of_line_error(error: LineError, count: u32) -> NoticeText {

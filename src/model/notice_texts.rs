@@ -75,7 +75,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         | Notice::LineError { .. }
         | Notice::ScanEnded(_)
         | Notice::IdChangeEnded { .. }
-        | Notice::AnswersInJson => later_notices::if_loaded(notice)?,
+        | Notice::SendsText { .. } => later_notices::if_loaded(notice)?,
         // Other parts of the page show these.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }

@@ -201,9 +201,14 @@ fn what_is_on_the_line_instead_of_the_motor_is_said_with_what_to_do() {
             "remove it and press Release",
         ),
         (
-            Notice::AnswersInJson,
+            Notice::SendsText { is_json: true },
             "answers in JSON",
             "Set the switch of the DDSM Driver HAT away from ESP32",
+        ),
+        (
+            Notice::SendsText { is_json: false },
+            "Another device sends text on this port",
+            "this port is left alone",
         ),
         (
             not_enabled,

@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, ScanReport},
+    bus::{CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, ScanFault, ScanReport},
     protocol::{AssignableId, MotorId},
 };
 
@@ -40,6 +40,19 @@ fn text(tone: Tone, title: impl Into<String>, advice: &[&str]) -> NoticeText {
             Tone::Warning | Tone::Error => Some(HelpTopic::TwoMotorsOneId),
         },
     }
+}
+
+/// The adapter keeps replies back.
+pub(crate) fn blocks() -> &'static str {
+    tr!("The adapter delivers only blocks of 32 bytes")
+}
+
+/// What to do about that.
+pub(crate) fn no_blocks() -> &'static str {
+    tr!(
+        "Replies wait in the adapter until 32 bytes are there, so they come too late. Use another \
+         adapter or driver."
+    )
 }
 
 /// Whether this notice is one that the ID manager shows itself.
@@ -110,16 +123,25 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
         );
         return text(Tone::Calm, title, &[&tr!("Before that: {found}.", found)]);
     }
-    if report.noisy.len() >= NOISY_EVERYWHERE && report.found.is_empty() {
-        return text(
-            Tone::Warning,
-            tr!("Bytes without a motor: the bus floats"),
-            &[tr!(
-                "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter \
-                 with bias resistors."
-            )],
-        )
-        .explained_at(HelpTopic::DamagedBytes);
+    let is_noisy = report.noisy.len() >= NOISY_EVERYWHERE && report.found.is_empty();
+    match report.fault {
+        Some(ScanFault::Blocks) => {
+            let found = tr!("Full scan: {found}", found);
+            return text(Tone::Warning, blocks(), &[no_blocks(), &found])
+                .explained_at(HelpTopic::DamagedBytes);
+        }
+        fault if fault == Some(ScanFault::Floating) || is_noisy => {
+            return text(
+                Tone::Warning,
+                tr!("Bytes without a motor: the bus floats"),
+                &[tr!(
+                    "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter \
+                     with bias resistors."
+                )],
+            )
+            .explained_at(HelpTopic::DamagedBytes);
+        }
+        _ => {}
     }
     if !report.noisy.is_empty() {
         let title = tr!(
@@ -162,6 +184,10 @@ pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
             unchanged(tr!("the scan was cancelled")),
             &[advice],
         );
+    }
+    if report.fault == Some(ScanFault::Blocks) {
+        return text(Tone::Warning, unchanged(blocks()), &[no_blocks()])
+            .explained_at(HelpTopic::DamagedBytes);
     }
     if !report.noisy.is_empty() {
         let noise = tr!("noise at {ids}", ids = ids(&report.noisy));

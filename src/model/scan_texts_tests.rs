@@ -16,6 +16,7 @@ pub(crate) fn report(found: &[u8], noisy: &[u8]) -> ScanReport {
     ScanReport {
         found: ids(found),
         noisy: ids(noisy),
+        fault: None,
         asked: 254,
         complete: true,
         took_ms: 2_060,
@@ -46,6 +47,29 @@ fn a_scan_names_who_answers_and_where_there_is_noise() {
     assert_eq!(
         text(&of_scan(&cancelled)),
         "Scan cancelled after 118 addresses | Before that: motor 0x01 found."
+    );
+}
+
+#[test]
+fn a_scan_names_what_it_has_shown_of_the_line() {
+    let of = |found: &[u8], fault| ScanReport {
+        fault: Some(fault),
+        ..report(found, &[])
+    };
+    let blocks = of(&[1], ScanFault::Blocks);
+    let words = text(&of_scan(&blocks));
+    assert!(
+        words.starts_with("The adapter delivers only blocks of 32 bytes"),
+        "{words}"
+    );
+    assert!(words.contains("motor 0x01 found"), "{words}");
+    let to = AssignableId::new(id(7)).unwrap();
+    let refused = text(&of_no_proof(&blocks, to));
+    assert!(refused.contains("only blocks of 32 bytes"), "{refused}");
+    let floats = text(&of_scan(&of(&[], ScanFault::Floating)));
+    assert!(
+        floats.starts_with("Bytes without a motor: the bus floats"),
+        "{floats}"
     );
 }
 

@@ -211,6 +211,7 @@ fn scanned(found: &[u8]) -> Notice {
             .map(|found| id(*found))
             .collect::<Vec<MotorId>>(),
         noisy: vec![],
+        fault: None,
         asked: 254,
         complete: true,
         took_ms: 2_000,

@@ -89,6 +89,7 @@ fn scanned(found: &[u8]) -> Notice {
     Notice::ScanEnded(ScanReport {
         found: found.iter().map(|found| id(*found)).collect(),
         noisy: vec![],
+        fault: None,
         asked: 254,
         complete: true,
         took_ms: 2_000,

@@ -6,7 +6,6 @@ use crate::{
     bus::Bus,
     event::{Event, IdQueryOutcome},
     exchange::{Exchange, Purpose},
-    line_event::LineEventKind,
     motor::Motor,
     other_bytes::count_line,
     raw::frame::addressee,
@@ -36,7 +35,7 @@ impl Bus {
             let ReceivedReply { frame, reading } = match piece {
                 Segment::Reply(received) => *received,
                 Segment::Junk(junk) => {
-                    self.log(now, LineEventKind::Junk(*junk));
+                    self.log_junk(now, *junk);
                     continue;
                 }
             };
@@ -104,14 +103,14 @@ impl Bus {
         only: Option<MotorId>,
         rest: &OtherBytes,
     ) -> IdQueryOutcome {
-        if rest.is_silence() {
+        if rest.is_quiet() {
             self.counters.silences += 1;
             return IdQueryOutcome::NoReply;
         }
         let mut replies = rest.replies();
         let one = match (replies.next(), replies.next()) {
             // Less than half a frame is noise; more is the reply of another motor.
-            (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
+            (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX && !rest.is_block => {
                 Some(received.reading.id())
             }
             _ => None,

@@ -11,8 +11,9 @@ use crate::{
     job::state::{Job, Proof},
     line_event::{LineEvent, LineEventKind},
     line_use::LineUse,
-    model::evidence::ModelEvidence,
+    model::{evidence::ModelEvidence, foreign_text::ForeignText},
     motor::Motor,
+    packet_log::JunkLogged,
     pending_transmit::PendingTransmit,
     probe::Probe,
     rate::RateMeter,
@@ -59,6 +60,10 @@ pub struct Bus {
     pub(crate) model: Model,
     /// What replies have told about the model.
     pub(crate) evidence: ModelEvidence,
+    /// Text of another device than a motor.
+    pub(crate) text: ForeignText,
+    /// How much junk the packet log has taken.
+    pub(crate) junk_logged: JunkLogged,
     /// Earliest time at which the bus may enable a motor without a command; `None` while the port is on trial.
     pub(crate) enables_from: Option<Instant>,
     pub(crate) motors: Vec<Motor>,
@@ -124,6 +129,8 @@ impl Bus {
         Self {
             model,
             evidence: ModelEvidence::default(),
+            text: ForeignText::default(),
+            junk_logged: JunkLogged::default(),
             enables_from: Some(now + LISTEN_BEFORE_ENABLE),
             motors: Vec::new(),
             line: Line::Free {
@@ -187,8 +194,8 @@ impl Bus {
     /// Ends the trial: the port is the wanted one.
     pub fn end_trial(&mut self, now: Instant) {
         self.enables_from.get_or_insert(now + LISTEN_BEFORE_ENABLE);
-        // JSON text seen during the trial was not reported to the user.
-        self.evidence.report_json_again();
+        // Text heard during the trial was not reported to the user.
+        self.text.report_again();
     }
 
     /// The page has answered its ping.

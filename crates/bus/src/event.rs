@@ -70,8 +70,11 @@ pub enum Event {
         /// The model that the replies show. A DDSM115 stands for a DDSM315 too.
         found: Model,
     },
-    /// A driver board answers in JSON: it is not switched to its plain bridge.
-    AnswersInJson,
+    /// Another device than a motor sends text. Motors that have never answered are not asked while it does.
+    SendsText {
+        /// Whether it is JSON, as of a driver board that is not switched to its plain bridge.
+        is_json: bool,
+    },
     /// Ping the page. It answers through [`Bus::page_answered`](crate::Bus::page_answered).
     PingPage,
 }

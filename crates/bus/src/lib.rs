@@ -100,7 +100,7 @@ pub use raw::status::{IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Rep
 pub use round_trip::{ROUND_TRIP_BINS_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use sample::Sample;
-pub use scan::report::ScanReport;
+pub use scan::report::{ScanFault, ScanReport};
 pub use settings::BusSettings;
 pub use silence::{WITHHELD_MAX, Withheld};
 pub use timing::{

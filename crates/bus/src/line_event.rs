@@ -32,7 +32,7 @@ pub enum LineEventKind {
         asked: Option<Layout>,
     },
     /// Bytes that are not a good frame: a corrupt reply, a collision, noise. More than ten bytes
-    /// make several events.
+    /// make several events. A second has at most 500 of these events; the counters have all bytes.
     Junk(JunkBytes),
     /// A motor sent nothing in its reply window. Not reported during a scan.
     Silence {

@@ -6,7 +6,6 @@ use crate::{
     bus::Bus,
     counters::Counters,
     exchange::{Exchange, Expects, Line},
-    line_event::LineEventKind,
     motor::Motor,
     receiver::{OtherBytes, ReceivedReply, Segment},
 };
@@ -49,9 +48,10 @@ impl Bus {
             match piece {
                 Segment::Reply(received) => {
                     // Beside junk it may be a frame by chance.
-                    self.receive_late_reply(now, *received, rest.junk_bytes == 0);
+                    let is_certain = rest.junk_bytes == 0 && !rest.is_block;
+                    self.receive_late_reply(now, *received, is_certain);
                 }
-                Segment::Junk(junk) => self.log(now, LineEventKind::Junk(*junk)),
+                Segment::Junk(junk) => self.log_junk(now, *junk),
             }
         }
     }
@@ -109,5 +109,7 @@ pub(crate) fn count_line(counters: &mut Counters, rest: &OtherBytes) {
     counters.junk_bytes += rest.junk_bytes as u64;
     if rest.is_levels() {
         counters.level_bytes += rest.junk_bytes as u64;
+    } else if rest.text.is_some() {
+        counters.text_bytes += rest.junk_bytes as u64;
     }
 }

@@ -17,12 +17,15 @@ use frames::{begins_reply, frame_at, next_window, replier_at, reply_at};
 
 use crate::{
     line_event::JunkBytes,
-    model::evidence::{is_json, other_model},
+    model::{evidence::other_model, foreign_text::Text},
 };
 
 /// Size of the receive buffer. Twelve replies and an echo fit into it. Of more junk than that the
 /// oldest bytes are dropped.
 const CAPACITY: usize = 128;
+
+/// A block of an adapter that delivers only full ones. No sum of replies and whole echoes is as long.
+pub(crate) const BLOCK: usize = 32;
 
 /// The first byte of the ID query, which every motor answers.
 const ID_QUERY: u8 = 0xC8;
@@ -52,6 +55,9 @@ pub(crate) struct Receiver {
     buffer: Vec<u8>,
     /// Bytes dropped because the buffer was full.
     overflowed: usize,
+    /// Whether the buffer has bytes of a full block. They have waited in the adapter for any time, so no frame among
+    /// them is known to answer the request in flight.
+    has_block: bool,
     model: Model,
     echo: Echo,
     /// Copies that were no proof, at most [`DOUBTS_MAX`].
@@ -86,8 +92,10 @@ pub(crate) struct OtherBytes {
     pub(crate) junk_bytes: usize,
     /// The motor and the model of a good frame of another model than that of the line.
     pub(crate) other_model: Option<(MotorId, Model)>,
-    /// Whether the bytes are text in JSON.
-    pub(crate) is_json: bool,
+    /// The bytes behind the echo, if they are text.
+    pub(crate) text: Option<Text>,
+    /// Whether they came in a full block, so that their age is unknown.
+    pub(crate) is_block: bool,
 }
 
 /// A good frame of any motor, decoded. The bus decodes a reply here and nowhere else.
@@ -140,6 +148,11 @@ impl OtherBytes {
         })
     }
 
+    /// Whether nothing arrived that a motor sends: an echo at most, and bytes of a pair that nothing drives.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.is_levels() && self.replies().next().is_none()
+    }
+
     /// Whether nothing arrived except an echo.
     pub(crate) fn is_silence(&self) -> bool {
         self.segments.is_empty() && self.junk_bytes == 0
@@ -151,6 +164,7 @@ impl Receiver {
         Self {
             buffer: Vec::with_capacity(CAPACITY),
             overflowed: 0,
+            has_block: false,
             model,
             echo: Echo::default(),
             doubts: 0,
@@ -160,6 +174,7 @@ impl Receiver {
     }
 
     pub(crate) fn push(&mut self, bytes: &[u8]) {
+        self.has_block |= bytes.len() == BLOCK;
         for byte in bytes {
             if self.buffer.len() == CAPACITY {
                 self.buffer.remove(0);
@@ -218,7 +233,7 @@ impl Receiver {
         let other_bytes = self.sort(offset, sent);
         // While bytes of an earlier request may come, only a window with nothing else tells of the echo.
         let is_alone = self.buffer.len() == FRAME_LEN;
-        if received.frame != *sent && (self.owed == 0 || is_alone) {
+        if received.frame != *sent && (self.owed == 0 || is_alone) && !self.has_block {
             let before = self.buffer.get(..offset).unwrap_or_default();
             self.echo.replied(part_before(before, sent));
         }
@@ -277,6 +292,7 @@ impl Receiver {
         if let Some(reply) = other_bytes.replies().next()
             && reply.frame != *sent
             && self.owed == 0
+            && !self.has_block
         {
             let at = self.buffer.windows(FRAME_LEN);
             let at = at.into_iter().position(|it| it == reply.frame.bytes());
@@ -287,6 +303,7 @@ impl Receiver {
             self.echo.detected();
         }
         self.buffer.clear();
+        self.has_block = false;
         other_bytes
     }
 
@@ -315,7 +332,7 @@ impl Receiver {
         let Some(last) = windows.rposition(|window| window == sent.bytes()) else {
             return Found::Nothing;
         };
-        if !echo::may_be_reply(self.model, sent) {
+        if self.has_block || !echo::may_be_reply(self.model, sent) {
             return Found::Nothing;
         }
         // Behind the echo of a request, whole or cut, a copy of it is the reply.
@@ -367,7 +384,8 @@ impl Receiver {
                         frame != *sent && (id.get() == asked || asked == ID_QUERY)
                     })
                 }),
-            is_json: is_json(bytes),
+            text: Text::of(bytes.get(echoed..).unwrap_or_default()),
+            is_block: self.has_block,
         };
         let mut at = echoed;
         while at < bytes.len() {

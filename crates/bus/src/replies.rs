@@ -11,19 +11,17 @@ use crate::{
     bus::{Bus, LastDrive},
     event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
+    job::state::Job,
     line_event::{JunkBytes, LineEvent, LineEventKind},
     line_use::Use,
     model::units::as_combined,
     motor::{Control, Motor},
     probe::ProbeResult,
     raw::status::RawAnswer,
-    receiver::{Found, ReceivedReply},
+    receiver::{BLOCK, Found, ReceivedReply},
     sample::Sample,
     timing::{AMBIGUITY_QUIET, LATE, MIN_WINDOW, earliest_reply},
 };
-
-/// A block of an adapter that delivers only full ones. No sum of replies and whole echoes is as long.
-const BLOCK: usize = 32;
 
 impl Bus {
     /// Takes bytes that the port received.
@@ -34,6 +32,11 @@ impl Bus {
             self.last_drive = LastDrive::Carried;
         }
         self.counters.blocks += u64::from(bytes.len() == BLOCK);
+        if let Some(Job::Scan(scan)) = &mut self.job
+            && !bytes.is_empty()
+        {
+            scan.received(bytes.len() == BLOCK);
+        }
         if let Line::Busy(exchange) = &mut self.line {
             exchange.held_until = exchange.held_until.map(|_| now + AMBIGUITY_QUIET);
             exchange.last_byte = Some(now);
@@ -78,6 +81,10 @@ impl Bus {
                         return;
                     };
                     self.process_other_bytes(now, &exchange, &before);
+                    if before.is_block {
+                        self.receive_late_reply(now, received, false);
+                        continue;
+                    }
                     if now.since(exchange.sent) < earliest_reply(self.model) {
                         // It arrives too early to answer this request.
                         if received.frame == exchange.frame {
@@ -94,7 +101,7 @@ impl Bus {
                     let outstanding = motor.is_some_and(|motor| motor.late.may_come(now));
                     if received.is_chance(before.junk_bytes, outstanding) {
                         let junk = JunkBytes::new(received.frame.bytes());
-                        self.log(now, LineEventKind::Junk(junk));
+                        self.log_junk(now, junk);
                         continue;
                     }
                     let is_like_echo = self.model.has_separate_frames()

@@ -76,7 +76,12 @@ impl Bus {
                 self.round_trip.lost();
             }
             Purpose::Control | Purpose::Pause => {}
-            Purpose::Job if rest.is_silence() && !is_doubtful => {
+            Purpose::Job if rest.is_quiet() && !is_doubtful => {
+                if let Some(Job::Scan(scan)) = &mut self.job
+                    && rest.junk_bytes > 0
+                {
+                    scan.heard_levels();
+                }
                 self.job_probe_ended(now, exchange.sent, id, ProbeResult::Silence);
             }
             Purpose::Job => self.job_probe_ended(now, exchange.sent, id, ProbeResult::Noise),

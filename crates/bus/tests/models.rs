@@ -174,7 +174,7 @@ fn a_driver_board_that_answers_in_json_is_reported_once() {
         fixture.bus.receive(fixture.now, text);
     }
     let said = fixture.events.iter();
-    let said = said.filter(|(_, event)| *event == Event::AnswersInJson);
+    let said = said.filter(|(_, event)| *event == Event::SendsText { is_json: true });
     assert_eq!(said.count(), 1);
 }
 

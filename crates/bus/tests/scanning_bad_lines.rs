@@ -6,8 +6,8 @@ mod fixture;
 use std::time::Duration;
 
 use fixture::scans::{ids, scan, scan_ended, unknown};
-use fixture::{Fixture, ID, id, ms};
-use motorlink_bus::Command;
+use fixture::{Fixture, ID, Sent, id, ms};
+use motorlink_bus::{Command, ScanFault, ScanReport};
 use motorlink_protocol::family::Model;
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -144,4 +144,71 @@ fn late_bytes_behind_the_id_query_shorten_no_reply_window() {
     let ended = |fixture: &Fixture| scan_ended(fixture).is_some();
     fixture.run_until(ms(60_000), ended);
     assert_eq!(scan_ended(&fixture).unwrap().found, [ID, id(2)]);
+}
+
+/// No reply comes in its window, and each chunk ends within a frame.
+#[test]
+fn a_scan_behind_an_adapter_that_delivers_blocks_finds_all_and_says_so() {
+    let blocks = WireFaults {
+        block: 32,
+        ..WireFaults::default()
+    };
+    for motors in [&[1][..], &[77], &[254], &[3, 77, 201]] {
+        for seed in 0..5 {
+            let report = scan(&mut unknown(motors, blocks.clone(), seed));
+            assert_eq!(report.found, ids(motors), "seed {seed}: {report:?}");
+            assert!(report.noisy.is_empty(), "seed {seed}: {report:?}");
+            assert_eq!(report.fault, Some(ScanFault::Blocks), "seed {seed}");
+            assert_eq!(report.asked, 254);
+            assert!(report.took_ms <= 8_000, "seed {seed}: {report:?}");
+        }
+    }
+    assert_eq!(
+        scan(&mut unknown(&[1], WireFaults::default(), 1)).fault,
+        None
+    );
+}
+
+#[test]
+fn a_scan_on_a_floating_pair_calls_no_address_noisy() {
+    let floating = WireFaults {
+        floating: true,
+        ..WireFaults::default()
+    };
+    for motors in [&[][..], &[1], &[3, 77, 201]] {
+        for seed in 0..5 {
+            let report = scan(&mut unknown(motors, floating.clone(), seed));
+            assert_eq!(report.found, ids(motors), "seed {seed}: {report:?}");
+            assert!(report.noisy.is_empty(), "seed {seed}: {report:?}");
+            let floats = motors.is_empty().then_some(ScanFault::Floating);
+            assert_eq!(report.fault, floats, "seed {seed}");
+        }
+    }
+}
+
+/// A scan of motor 1, with three bytes of noise behind the first queries for the address 12.
+fn with_noise_at_12(probes: usize) -> ScanReport {
+    let mut fixture = unknown(&[1], WireFaults::default(), 1);
+    fixture.command(Command::FullScan).unwrap();
+    let asks_12 = |sent: &Sent| sent.frame.bytes()[..2] == [12, 0x74];
+    let mut asked = 0;
+    while scan_ended(&fixture).is_none() {
+        fixture.run(ms(1));
+        let now_asked = fixture.sent.iter().filter(|sent| asks_12(sent)).count();
+        if now_asked > asked && now_asked <= probes {
+            fixture.bus.receive(fixture.now, &[0x02, 0x7F, 0x31]);
+        }
+        asked = now_asked;
+    }
+    scan_ended(&fixture).unwrap()
+}
+
+/// Late bytes of a busy machine come in the windows of an address that nobody has.
+#[test]
+fn a_noisy_address_is_asked_again_before_it_is_called_noisy() {
+    let quiet = with_noise_at_12(6);
+    assert_eq!((quiet.found, quiet.noisy), (ids(&[1]), Vec::new()));
+    let noisy = with_noise_at_12(usize::MAX);
+    assert_eq!((noisy.found, noisy.noisy), (ids(&[1]), ids(&[12])));
+    assert!(noisy.took_ms < quiet.took_ms + 400, "{} ms", noisy.took_ms);
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::Command;
 use motorlink_protocol::MotorId;
-use motorlink_simulator::{Echo, Split, WhenSilent, WireFaults};
+use motorlink_simulator::{Beside, Echo, Split, WhenSilent, WireFaults};
 
 /// One action, carried out at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,6 +156,16 @@ pub enum LineFault {
     /// The adapter delivers received bytes this many milliseconds later, several frames in one
     /// chunk.
     Gathers(u8),
+    /// The adapter receives at random nothing, all, the first or the last bytes of each of its own frames.
+    EchoesParts,
+    /// This byte comes before every reply.
+    ByteBefore(u8),
+    /// This byte comes after every reply.
+    ByteAfter(u8),
+    /// The adapter delivers received bytes only in blocks of 32.
+    Blocks,
+    /// Nothing holds the pair at a level: a byte 00 comes every 2 to 19 ms.
+    Floats,
 }
 
 impl LineFault {
@@ -219,6 +229,23 @@ impl LineFault {
                 hold: Duration::from_millis(ms.into()),
                 ..good
             },
+            Self::EchoesParts => WireFaults {
+                echo: Echo::Parts,
+                ..good
+            },
+            Self::ByteBefore(byte) => WireFaults {
+                beside: Some(Beside::Before(byte)),
+                ..good
+            },
+            Self::ByteAfter(byte) => WireFaults {
+                beside: Some(Beside::After(byte)),
+                ..good
+            },
+            Self::Blocks => WireFaults { block: 32, ..good },
+            Self::Floats => WireFaults {
+                floating: true,
+                ..good
+            },
         }
     }
 }
@@ -226,7 +253,8 @@ impl LineFault {
 /// Kinds of fault, for the coverage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
-    /// A line fault. Truncated echoes of any length are one kind, and so are adapters that gather.
+    /// A line fault. Truncated echoes of any length are one kind, and so are adapters that gather, and bytes beside
+    /// replies.
     Line(LineFault),
     /// A supply was cut.
     PowerCut,
@@ -296,6 +324,8 @@ impl Action {
             | Self::PageHangs(false) => None,
             Self::Line(LineFault::CutsEchoes(_)) => Some(Fault::Line(LineFault::CutsEchoes(0))),
             Self::Line(LineFault::Gathers(_)) => Some(Fault::Line(LineFault::Gathers(0))),
+            Self::Line(LineFault::ByteBefore(_)) => Some(Fault::Line(LineFault::ByteBefore(0))),
+            Self::Line(LineFault::ByteAfter(_)) => Some(Fault::Line(LineFault::ByteAfter(0))),
             Self::Line(line) => Some(Fault::Line(*line)),
             Self::Power { on: false, .. } => Some(Fault::PowerCut),
             Self::Power { on: true, .. } => Some(Fault::PowerBack),

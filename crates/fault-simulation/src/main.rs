@@ -5,7 +5,8 @@
 //! N` plays that one alone and prints its actions, and a trace if a rule is broken. Of the seeds
 //! that break the same rule only the first is shrunk. `--model M` is the model of the motors; without it every
 //! model has its turn, each with the time or number of scenarios. `--when-silent keep`, `coast` or `brake` is their
-//! firmware; without it each seed draws it.
+//! firmware; without it each seed draws it. `--lines hostile` adds random parts of echoes, a byte beside replies, blocks of
+//! 32 bytes and floating pairs.
 
 use std::{
     collections::BTreeMap,
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
 fn soak() -> Result<bool> {
     let (mut seconds, mut seeds, mut from, mut only) = (60, u64::MAX, 1, None);
     let mut when_silent = None;
+    let mut on_hostile_lines = false;
     let mut models = Model::ALL.to_vec();
     let mut arguments = env::args().skip(1);
     while let Some(flag) = arguments.next() {
@@ -56,6 +58,10 @@ fn soak() -> Result<bool> {
             when_silent = Some(firmware.context("--when-silent takes keep, coast or brake")?);
             continue;
         }
+        if flag == "--lines" && value == "hostile" {
+            on_hostile_lines = true;
+            continue;
+        }
         let number: u64 = value.parse().with_context(|| format!("{flag} {value}"))?;
         match flag.as_str() {
             "--seconds" => seconds = number,
@@ -63,14 +69,18 @@ fn soak() -> Result<bool> {
             "--from" => from = number,
             "--seed" => only = Some(number),
             _ => bail!(
-                "usage: soak [--model M] [--when-silent keep|coast|brake] [--seconds N | --seeds N] [--from N] [--seed N]"
+                "usage: soak [--model M] [--when-silent keep|coast|brake] [--lines hostile] [--seconds N | --seeds N] [--from N] [--seed N]"
             ),
         }
     }
     let mut all_held = true;
     for model in models {
         // A model with a broken rule does not prevent the others.
-        let motors = Motors { model, when_silent };
+        let motors = Motors {
+            model,
+            when_silent,
+            on_hostile_lines,
+        };
         all_held &= match only {
             Some(seed) => soak_one(motors, seed),
             None => soak_many(motors, seconds, seeds, from),
@@ -85,11 +95,16 @@ struct Motors {
     model: Model,
     /// What they do when frames cease, unless the seed draws it.
     when_silent: Option<WhenSilent>,
+    on_hostile_lines: bool,
 }
 
 impl Motors {
     fn scenario(self, seed: u64) -> Scenario {
-        let scenario = Scenario::of(self.model, seed);
+        let scenario = if self.on_hostile_lines {
+            Scenario::on_hostile_lines(self.model, seed)
+        } else {
+            Scenario::of(self.model, seed)
+        };
         match self.when_silent {
             Some(when_silent) => scenario.when_silent(when_silent),
             None => scenario,

@@ -35,7 +35,7 @@ fn with_an_echo_from_the_start(actions: Vec<Action>) -> Vec<Action> {
     let echoes = |action: &Action| {
         matches!(
             action,
-            Action::Line(LineFault::Echoes | LineFault::CutsEchoes(_))
+            Action::Line(LineFault::Echoes | LineFault::CutsEchoes(_) | LineFault::EchoesParts)
         )
     };
     let first = actions.iter().find(|action| echoes(action)).cloned();

@@ -24,6 +24,10 @@ const SEQUENCES: u64 = 0x5E90_E4CE;
 /// So have the losses of page and worker, and the firmware.
 const LOSSES: u64 = 0x1055_0F1D;
 const FIRMWARE: u64 = 0xF1E3_A4E5;
+/// So have hostile lines, which only some scenarios have.
+const HOSTILE: u64 = 0x4057_11E5;
+/// One comes before one action in this many.
+const HOSTILE_EVERY: u8 = 10;
 /// A loss comes before one action in this many.
 const LOSS_EVERY: u8 = 40;
 /// So have lines that die and adapters that another computer gets, and what differs between motors.
@@ -244,6 +248,35 @@ impl Scenario {
             ..scenario
         };
         scenario.with_losses().with_dead_lines()
+    }
+
+    /// The scenario of this seed with lines of bad adapters and pairs.
+    #[must_use]
+    pub fn on_hostile_lines(model: Model, seed: u64) -> Self {
+        let scenario = Self::without_losses(seed).with_losses();
+        let scenario = scenario.with_hostile_lines().with_dead_lines();
+        scenario.for_model(model)
+    }
+
+    fn with_hostile_lines(self) -> Self {
+        let mut rng = Rng::with_seed(self.seed ^ HOSTILE);
+        let mut actions = Vec::new();
+        for action in self.actions {
+            if rng.u8(..HOSTILE_EVERY) == 0 {
+                let level = if rng.bool() { 0xFF } else { 0 };
+                let line = match rng.u8(..5) {
+                    0 => LineFault::EchoesParts,
+                    1 => LineFault::ByteBefore(level),
+                    2 => LineFault::ByteAfter(level),
+                    3 => LineFault::Blocks,
+                    _ => LineFault::Floats,
+                };
+                // An even number of actions: see `in_terms_of`.
+                actions.extend([Action::Line(line), pause_ms(rng.u64(..600))]);
+            }
+            actions.push(action);
+        }
+        Self { actions, ..self }
     }
 }
 

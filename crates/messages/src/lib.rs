@@ -257,8 +257,11 @@ pub enum Notice {
         /// The model that the replies show.
         found: Model,
     },
-    /// A driver board answers in JSON.
-    AnswersInJson,
+    /// Another device than a motor sends text on this port.
+    SendsText {
+        /// Whether it is JSON, as of a driver board.
+        is_json: bool,
+    },
     /// A motor has not answered for two seconds.
     MotorSilent {
         /// Which motor.

@@ -37,6 +37,11 @@ impl AsksAgain {
         if now < at {
             return Some(at);
         }
+        if bus.hears_text(now) {
+            // No motor sends text: the device is left alone.
+            self.at = Some(now + PAUSE_MAX);
+            return self.at;
+        }
         self.at = None;
         if bus.motors(now).any(|motor| motor.last.is_some()) {
             *self = Self::default();

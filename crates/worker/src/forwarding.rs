@@ -44,7 +44,7 @@ pub(crate) fn forward(outbox: &mut Outbox, open: &mut OpenSession, event: Event)
         },
         Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
         Event::OtherModel { expected, found } => Notice::OtherModel { expected, found },
-        Event::AnswersInJson => Notice::AnswersInJson,
+        Event::SendsText { is_json } => Notice::SendsText { is_json },
         Event::MotorSilent { id, garbled } => Notice::MotorSilent { id, garbled },
         Event::MotorBack(id) => Notice::MotorBack(id),
         Event::StopBegan(reason) => Notice::StopBegan(reason),

@@ -178,13 +178,15 @@ impl IdManager {
         };
         self.stage = Stage::None;
         self.result = Some(result);
-        self.end = Some(if report.complete && report.noisy.is_empty() {
-            End::Scanned {
-                motors: report.found.clone(),
-            }
-        } else {
-            End::Failed
-        });
+        self.end = Some(
+            if report.complete && report.noisy.is_empty() && report.fault.is_none() {
+                End::Scanned {
+                    motors: report.found.clone(),
+                }
+            } else {
+                End::Failed
+            },
+        );
     }
 
     /// Updates the job of the bus, after all notices of the same message. Returns whether that changed
@@ -260,7 +262,7 @@ impl IdManager {
 /// The only motor on the bus, if this report proves it.
 fn proved(report: &ScanReport) -> Option<MotorId> {
     match (report.found.as_slice(), report.noisy.as_slice()) {
-        ([only], []) if report.complete => Some(*only),
+        ([only], []) if report.complete && report.fault.is_none() => Some(*only),
         _ => None,
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! | what is seen | what it is likely to be |
 //! |---|---|
+//! | text | another device on this port |
 //! | blocks of 32 bytes, nothing between them | the adapter delivers only full blocks |
 //! | 00 or FF without replies | a pair that nothing holds at a level |
 //! | 00 or FF beside each reply | a driver that is switched too early or too late |
@@ -48,6 +49,8 @@ const GROWTH: u32 = 3;
 
 /// So few bytes of a pair that nothing drives are chance.
 const LEVELS_MIN: u32 = 20;
+/// As many as the bus reports.
+const TEXT_MIN: u32 = 64;
 /// Three replies and a part of one in one chunk are chance, after a stall.
 const BLOCKS_MIN: u32 = 4;
 
@@ -60,6 +63,8 @@ const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
 /// What is likely to be wrong, most likely first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Diagnosis {
+    /// Another device than a motor sends text.
+    Text,
     /// Blocks of 32 bytes are received, and nothing between them.
     Blocks,
     /// Bytes come without a motor that answers: nothing holds the pair at a level.
@@ -121,6 +126,8 @@ pub(crate) struct Tally {
     pub(crate) late: u32,
     /// Bytes of a pair that nothing drives.
     pub(crate) levels: u32,
+    /// Bytes of text.
+    pub(crate) text: u32,
     /// Chunks of 32 bytes.
     pub(crate) blocks: u32,
 }
@@ -141,6 +148,7 @@ impl Tally {
             foreign: more(|counters| counters.wrong_ids),
             late: more(|counters| counters.late),
             levels: more(|counters| counters.level_bytes),
+            text: more(|counters| counters.text_bytes),
             blocks: more(|counters| counters.blocks),
         }
     }
@@ -176,6 +184,7 @@ impl AddAssign for Tally {
         add(&mut self.foreign, other.foreign);
         add(&mut self.late, other.late);
         add(&mut self.levels, other.levels);
+        add(&mut self.text, other.text);
         add(&mut self.blocks, other.blocks);
     }
 }
@@ -219,6 +228,8 @@ pub(crate) struct Findings {
     pub(crate) foreign: u32,
     /// Bytes of a pair that nothing drives, in the last ten seconds while no single motor was asked.
     pub(crate) levels: u32,
+    /// Bytes of text in the same time.
+    pub(crate) text: u32,
     /// Chunks of 32 bytes in the last ten seconds.
     pub(crate) blocks: u32,
     /// Whether the computer is late: then no wire is named.
@@ -240,7 +251,9 @@ pub(crate) fn diagnose(findings: &Findings) -> Verdict {
         all += motor.recent;
     }
     let levels = all.levels.saturating_add(findings.levels);
-    if findings.blocks >= BLOCKS_MIN {
+    if all.text.saturating_add(findings.text) >= TEXT_MIN {
+        found.add(Diagnosis::Text);
+    } else if findings.blocks >= BLOCKS_MIN {
         found.add(Diagnosis::Blocks);
     } else if levels >= LEVELS_MIN && levels > all.answered.saturating_mul(2) {
         found.add(Diagnosis::Floating);

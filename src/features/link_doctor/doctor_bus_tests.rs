@@ -341,6 +341,43 @@ fn a_floating_pair_and_a_byte_beside_each_reply_are_named() {
     }
 }
 
+/// For ten minutes.
+#[test]
+fn a_floating_pair_stays_the_cause() {
+    let faults = WireFaults {
+        floating: true,
+        ..WireFaults::default()
+    };
+    let mut bus = RecordedBus::on(World::new(WorldConfig {
+        faults,
+        ..WorldConfig::with_ids([])
+    }));
+    let floats = Verdict::Faulty(vec![Diagnosis::Floating]);
+    for minute in 0..10 {
+        assert_eq!(*bus.run(60), floats, "minute {minute}");
+    }
+}
+
+#[test]
+fn a_device_that_sends_text_is_named() {
+    for text in [
+        &b"rst:0x1 (POWERON_RESET),boot:0x13 (SPI_FAST_FLASH_BOOT)\r\n"[..],
+        b"{\"T\":1005,\"id\":1,\"typ\":115}\r\n",
+    ] {
+        let mut bus = RecordedBus::on(World::new(WorldConfig::with_ids([])));
+        for tick in 0..600 {
+            bus.bus.receive(bus.now, text);
+            bus.run_to(bus.now + Duration::from_millis(50));
+            let session = bus.session();
+            bus.record.look(&session);
+            if tick > 40 {
+                let named = Verdict::Faulty(vec![Diagnosis::Text]);
+                assert_eq!(*bus.record.verdict(), named, "after {tick} texts");
+            }
+        }
+    }
+}
+
 #[test]
 fn an_adapter_that_delivers_blocks_is_named() {
     let faults = WireFaults {

@@ -224,6 +224,7 @@ impl Record {
             } else {
                 findings.foreign = recent.foreign;
                 findings.levels = recent.levels;
+                findings.text = recent.text;
                 findings.blocks = recent.blocks;
             }
         }

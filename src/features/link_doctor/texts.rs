@@ -5,7 +5,10 @@ use motorlink_messages::VirtualWire;
 
 use crate::{
     features::link_doctor::doctor::{Diagnosis, Tally},
-    model::{help_topic::HelpTopic, scan_texts::wiring},
+    model::{
+        help_topic::HelpTopic,
+        scan_texts::{blocks, no_blocks, wiring},
+    },
 };
 
 /// Nothing is connected.
@@ -55,7 +58,8 @@ pub(crate) fn no_virtual_wire() -> &'static str {
 /// What is likely to be the cause.
 pub(crate) fn cause(diagnosis: Diagnosis) -> String {
     match diagnosis {
-        Diagnosis::Blocks => tr!("The adapter delivers only blocks of 32 bytes").to_owned(),
+        Diagnosis::Text => tr!("Another device sends text on this port").to_owned(),
+        Diagnosis::Blocks => blocks().to_owned(),
         Diagnosis::Floating => tr!("Bytes without a motor: the bus floats").to_owned(),
         Diagnosis::Turnaround => tr!("A byte 00 or FF beside each reply").to_owned(),
         Diagnosis::Nothing => tr!("No bytes received").to_owned(),
@@ -76,10 +80,10 @@ pub(crate) fn cause(diagnosis: Diagnosis) -> String {
 pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
     match diagnosis {
         Diagnosis::Nothing | Diagnosis::EchoOnly => wiring().to_vec(),
-        Diagnosis::Blocks => vec![tr!(
-            "Replies wait in the adapter until 32 bytes are there, so they come too late. Use another \
-             adapter or driver."
+        Diagnosis::Text => vec![tr!(
+            "Another adapter? Press Disconnect, then Connect, and choose its port."
         )],
+        Diagnosis::Blocks => vec![no_blocks()],
         Diagnosis::Floating => vec![tr!(
             "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter with \
              bias resistors."
@@ -165,6 +169,7 @@ pub(crate) const fn of_diagnosis(diagnosis: Diagnosis) -> HelpTopic {
         Diagnosis::SharedId(_) => HelpTopic::TwoMotorsOneId,
         Diagnosis::NoiseGrowsWithSpeed
         | Diagnosis::Damaged
+        | Diagnosis::Text
         | Diagnosis::Blocks
         | Diagnosis::Floating
         | Diagnosis::Turnaround => HelpTopic::DamagedBytes,

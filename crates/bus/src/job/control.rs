@@ -100,7 +100,8 @@ impl Bus {
         let event = match job {
             Job::Scan(scan) => {
                 let report = scan.report(now, complete);
-                if let ([id], [], true) = (&*report.found, &*report.noisy, complete) {
+                let proves = complete && report.fault.is_none();
+                if let ([id], [], true) = (&*report.found, &*report.noisy, proves) {
                     self.proved_alone = Some(Proof { id: *id, at: now });
                 }
                 Event::ScanEnded(report)
@@ -163,8 +164,10 @@ impl Bus {
 
     /// A good frame of a motor that was not asked.
     pub(crate) fn job_late_reply(&mut self, now: Instant, id: MotorId) {
-        if let Some(Job::Scan(scan)) = &mut self.job {
-            scan.late_reply(now, id);
+        if let Some(Job::Scan(scan)) = &mut self.job
+            && scan.late_reply(now, id)
+        {
+            self.watch(now, id);
         }
     }
 

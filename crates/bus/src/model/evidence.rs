@@ -15,9 +15,6 @@ const FRAMES: u8 = 3;
 /// driven, and a DDSM115 answers only every second query for a DDSM210.
 const WITHIN: Duration = Duration::from_secs(20);
 
-/// Two texts in JSON within this time are no noise.
-const JSON_WITHIN: Duration = Duration::from_secs(1);
-
 /// What replies have told about the model of the motors.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ModelEvidence {
@@ -29,9 +26,6 @@ pub(crate) struct ModelEvidence {
     last: Option<Model>,
     /// At most one for each ID.
     rows: Vec<Row>,
-    /// When JSON text came last, and whether it was reported.
-    json: Option<Instant>,
-    json_reported: bool,
 }
 
 /// Frames in a row of one motor of another model.
@@ -90,20 +84,6 @@ impl ModelEvidence {
     pub(crate) const fn likely(&self) -> Option<Model> {
         self.last
     }
-
-    /// Reports JSON text again.
-    pub(crate) fn report_json_again(&mut self) {
-        self.json_reported = false;
-    }
-
-    /// Records JSON text. Returns whether to report it: once, at the second text within a second.
-    pub(crate) fn json(&mut self, now: Instant) -> bool {
-        let before = self.json.replace(now);
-        let again = before.is_some_and(|at| now.since(at) <= JSON_WITHIN);
-        let is_new = again && !self.json_reported;
-        self.json_reported |= is_new;
-        is_new
-    }
 }
 
 /// The motor and the other model whose reply this is, on a line of `model`. A frame with a good CRC that could be a
@@ -138,14 +118,6 @@ pub(crate) fn is_drive_frame(bytes: &[u8]) -> bool {
         let [id, command, ..] = *frame.bytes();
         command == 0x64 && MotorId::new(id).is_ok() && frame.crc_holds()
     })
-}
-
-/// Whether these bytes are text of a driver board in JSON.
-pub(crate) fn is_json(bytes: &[u8]) -> bool {
-    bytes.windows(2).any(|pair| pair == b"{\"")
-        && bytes
-            .iter()
-            .all(|byte| matches!(byte, b' '..=b'~' | b'\r' | b'\n'))
 }
 
 #[cfg(test)]
@@ -241,12 +213,5 @@ mod tests {
         assert!(!is_drive("01 65 40 00 00 00 00 1E 00 00"), "a reply");
         assert!(!is_drive("01 74 00 00 00 00 00 00 00 00"), "a query");
         assert!(!is_drive_frame(&[1, 0x64, 0x40]));
-    }
-
-    #[test]
-    fn json_is_distinguished_from_noise() {
-        assert!(is_json(b"{\"T\":20010,\"id\":1}\r\n"));
-        assert!(!is_json(&[0x7B, 0x22, 0x80]));
-        assert!(!is_json(b"hello"));
     }
 }

@@ -1,20 +1,29 @@
-//! Reactions to frames of another model or another host, and to JSON text.
+//! Reactions to frames of another model or another host, and to text.
 
 use motorlink_protocol::Instant;
 
-use super::evidence::is_drive_frame;
+use super::{evidence::is_drive_frame, foreign_text::TEXT_GONE};
 use crate::{
     bus::Bus,
     event::{Event, StopReason},
+    motor::Motor,
     receiver::{OtherBytes, Segment},
     timing::{OTHER_HOST_QUIET, QUERY_PERIOD},
 };
 
+/// A motor gets so many requests before a device that sends text is left alone: it may write a log while it starts.
+const ASKED_MIN: u64 = 5;
+
 impl Bus {
-    /// Handles the frames of another model or another host among these bytes, and JSON text.
+    /// Handles the frames of another model or another host among these bytes, and text.
     pub(crate) fn handle_foreign_frames(&mut self, now: Instant, rest: &OtherBytes) {
-        if rest.is_json && self.evidence.json(now) {
-            self.events.push_back(Event::AnswersInJson);
+        if rest.junk_bytes > 0
+            && let Some(is_json) = self.text.heard(now, rest.text)
+        {
+            self.events.push_back(Event::SendsText { is_json });
+        }
+        if rest.text.is_some() && self.text.is_heard(now) {
+            self.leave_alone(now + TEXT_GONE);
         }
         let drives = |piece: &Segment| match piece {
             Segment::Junk(junk) => is_drive_frame(junk.bytes()),
@@ -36,6 +45,22 @@ impl Bus {
         } else if self.evidence.other.is_none() {
             self.ask_suspects(now + QUERY_PERIOD);
         }
+    }
+
+    /// A device sends text. A motor that was asked a few times and has never answered is not asked into that.
+    fn leave_alone(&mut self, until: Instant) {
+        let was_asked = |motor: &&mut Motor| motor.counters.requests >= ASKED_MIN;
+        for motor in self.motors.iter_mut().filter(was_asked) {
+            if !motor.has_answered() {
+                motor.next_query = motor.next_query.max(until);
+            }
+        }
+    }
+
+    /// Whether a device that is no motor sends text on this port.
+    #[must_use]
+    pub fn hears_text(&self, now: Instant) -> bool {
+        self.text.is_heard(now)
     }
 
     /// The operator releases the motors. If a motor of another model still answers, that shows at once.

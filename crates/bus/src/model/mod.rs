@@ -3,6 +3,7 @@
 pub(crate) mod enabling;
 pub(crate) mod evidence;
 mod foreign_frames;
+pub(crate) mod foreign_text;
 pub(crate) mod loop_known;
 pub(crate) mod odometry;
 pub(crate) mod separate;

@@ -6,6 +6,7 @@ use motorlink_protocol::{
 };
 
 use super::ReceivedReply;
+use crate::model::foreign_text::is_text;
 
 /// The fault byte of a reply, and its bits that no motor is known to set (`motor.md`).
 const FAULT_BYTE: usize = 8;
@@ -98,9 +99,9 @@ pub(super) fn begins_reply(model: Model, byte: u8) -> bool {
     }
 }
 
-/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply, and one that names the loop names
-/// nothing else. The search tries
-/// every offset, so it checks these bytes and decodes none.
+/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply, one that names the loop names
+/// nothing else, and not every byte is text, as in no reply: its faults or the upper byte of its turns are lower. The
+/// search tries every offset, so it checks these bytes and decodes none.
 pub(super) fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<MotorId> {
     // Byte 1 before the CRC: it rules out most offsets.
     if !begins_reply(model, *bytes.get(offset + 1)?) {
@@ -112,6 +113,9 @@ pub(super) fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<Mo
         && matches!(command.wrapping_sub(reply_offset), MODE | SWITCH)
         && !matches!(rest, [0, 0, 0, 0, 0, 0, _])
     {
+        return None;
+    }
+    if frame.bytes().iter().copied().all(is_text) {
         return None;
     }
     MotorId::new(id).ok()

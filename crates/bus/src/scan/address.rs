@@ -17,6 +17,8 @@ pub(super) struct Address {
     pub(super) replies: u8,
     /// Whether the last probe brought noise.
     pub(super) noisy: bool,
+    /// Clean windows in a row of the second look.
+    pub(super) silences: u8,
     /// When it was last probed without an answer in its window.
     pub(super) unanswered: Option<Instant>,
 }

@@ -11,6 +11,7 @@
 //! | every address | once |
 //! | one that answered | until two good replies, so that no noise is taken for a motor |
 //! | one whose window held noise, or whose reply came late | until a look is clean, at most [`PROBES_MAX`](super::address::PROBES_MAX) times |
+//! | one that is noisy after that, of a few | as often again, with a window that late bytes do not outlast, until three in a row are clean |
 //! | every silent address, on a line that loses replies | once more for every loss, at most [`PASSES_ON_A_BAD_LINE`] times |
 
 use std::{collections::VecDeque, time::Duration};
@@ -24,7 +25,7 @@ use crate::{
     scan::{
         address::{ADDRESSES, Address, place},
         reply_times::ReplyTimes,
-        report::ScanReport,
+        report::{ScanFault, ScanReport},
     },
     timing::{LATE_REPLY_MAX, SCAN_SAMPLING_MAX},
 };
@@ -45,6 +46,17 @@ const SLOW_EXCHANGE: Duration = Duration::from_millis(8);
 
 /// With one reply in twenty lost, four probes miss a motor once in 160,000 times.
 const PASSES_ON_A_BAD_LINE: u8 = 4;
+
+/// So many addresses that are still noisy are asked again: more are no late bytes of a busy machine. With six probes of
+/// 50 ms each they take 2.4 s.
+const SECOND_LOOKS_MAX: usize = 8;
+
+/// So few windows with a byte 00 or FF are chance.
+const LEVEL_WINDOWS_MIN: u16 = 20;
+
+/// So many silent windows in a row show that the noise was not of this address: with one reply in twenty lost, two motors
+/// with one ID are that quiet once in 8,000 times.
+const SILENCES_WANTED: u8 = 3;
 
 /// A running full scan.
 #[derive(Clone, Debug)]
@@ -70,6 +82,12 @@ pub(crate) struct Scan {
     next_sample: usize,
     sampling_since: Option<Instant>,
     reply_times: ReplyTimes,
+    /// Whether the few addresses that are still noisy are asked again, with the longest window.
+    is_second_look: bool,
+    /// Whether all bytes so far came in full blocks; `None` before the first byte.
+    only_blocks: Option<bool>,
+    /// Windows with nothing but bytes of a pair that nothing drives.
+    level_windows: u16,
 }
 
 impl Scan {
@@ -103,6 +121,9 @@ impl Scan {
             next_sample: 0,
             sampling_since: None,
             reply_times: ReplyTimes::new(round_trip),
+            is_second_look: false,
+            only_blocks: None,
+            level_windows: 0,
         }
     }
 
@@ -152,12 +173,58 @@ impl Scan {
             self.queue = self.silent();
             return self.queue.pop_front().map(Probe::Query);
         }
+        if !self.is_second_look {
+            self.is_second_look = true;
+            self.queue = self.look_again();
+            return self.queue.pop_front().map(Probe::Query);
+        }
         None
+    }
+
+    /// Addresses that are noisy after all probes, if they are few. They get as many probes again.
+    fn look_again(&mut self) -> VecDeque<MotorId> {
+        let noisy: VecDeque<MotorId> = self.noisy();
+        if noisy.len() > SECOND_LOOKS_MAX {
+            return VecDeque::new();
+        }
+        for id in &noisy {
+            if let Some(address) = self.addresses.get_mut(place(*id)) {
+                address.probes = 0;
+            }
+        }
+        noisy
     }
 
     /// Reply window of a probe.
     pub(crate) fn window(&self) -> Duration {
-        self.reply_times.window()
+        if self.is_second_look {
+            LATE_REPLY_MAX
+        } else {
+            self.reply_times.window()
+        }
+    }
+
+    /// Bytes have come, in a full block or not.
+    pub(crate) fn received(&mut self, is_block: bool) {
+        self.only_blocks = Some(is_block && self.only_blocks != Some(false));
+    }
+
+    /// A window has had nothing but bytes of a pair that nothing drives.
+    pub(crate) fn heard_levels(&mut self) {
+        self.level_windows = self.level_windows.saturating_add(1);
+    }
+
+    fn fault(&self) -> Option<ScanFault> {
+        if self.is_behind_blocks() {
+            return Some(ScanFault::Blocks);
+        }
+        let floats = self.level_windows >= LEVEL_WINDOWS_MIN && self.found.is_empty();
+        floats.then_some(ScanFault::Floating)
+    }
+
+    /// Whether the adapter delivers only full blocks, so that no reply comes in its window.
+    fn is_behind_blocks(&self) -> bool {
+        self.only_blocks == Some(true)
     }
 
     /// Result of an ID query: the time of its last byte, if any.
@@ -176,11 +243,12 @@ impl Scan {
         let before = self
             .previous_unanswered
             .take()
-            .filter(|_| result == ProbeResult::Noise);
+            .filter(|_| result == ProbeResult::Noise && !self.is_behind_blocks());
         if let Some(before) = before {
             self.reply_met_next_query(before);
         }
         self.previous_unanswered = (!matches!(result, ProbeResult::Reply(_))).then_some(id);
+        let is_second_look = self.is_second_look;
         let Some(address) = self.addresses.get_mut(place(id)) else {
             return false;
         };
@@ -195,24 +263,36 @@ impl Scan {
                 self.last_lost = Some(sent);
             }
         }
+        self.asked += u16::from(address.probes == 0 && !is_second_look);
+        address.probes = address.probes.saturating_add(1);
         if address.is_found() {
             return false;
         }
-        self.asked += u16::from(address.probes == 0);
-        address.probes = address.probes.saturating_add(1);
-        address.noisy = result == ProbeResult::Noise;
+        address.noisy = if is_second_look {
+            address.silences = match result {
+                ProbeResult::Silence => address.silences + 1,
+                ProbeResult::Noise | ProbeResult::Reply(_) => 0,
+            };
+            address.silences < SILENCES_WANTED
+        } else {
+            result == ProbeResult::Noise
+        };
         if let ProbeResult::Reply(_) = result {
             address.replies += 1;
         }
         if address.is_found() {
-            let behind = self.found.partition_point(|other| *other < id);
-            self.found.insert(behind, id);
+            self.add(id);
             return true;
         }
         if address.replies > 0 && address.is_doubtful() {
             self.queue.push_front(id);
         }
         false
+    }
+
+    fn add(&mut self, id: MotorId) {
+        let behind = self.found.partition_point(|other| *other < id);
+        self.found.insert(behind, id);
     }
 
     /// Nothing came in the window of this address, and noise came in the next. A delayed machine
@@ -231,16 +311,27 @@ impl Scan {
     }
 
     /// A good frame of this motor arrived during a later probe: its window was too short, and
-    /// nothing was lost.
-    pub(crate) fn late_reply(&mut self, now: Instant, id: MotorId) {
+    /// nothing was lost. Returns whether the motor is found by it.
+    pub(crate) fn late_reply(&mut self, now: Instant, id: MotorId) -> bool {
+        let is_behind_blocks = self.is_behind_blocks();
         let Some(address) = self.addresses.get_mut(place(id)) else {
-            return;
+            return false;
         };
+        if is_behind_blocks {
+            // No reply comes in its window.
+            let is_new = !address.is_found();
+            address.replies = address.replies.saturating_add(1);
+            let is_found = is_new && address.is_found();
+            if is_found {
+                self.add(id);
+            }
+            return is_found;
+        }
         if address.probes > 0 && !address.is_found() {
             address.noisy = true;
         }
         let Some(sent) = address.unanswered.take() else {
-            return;
+            return false;
         };
         // It was late, not lost on the line.
         if address.replies > 0 {
@@ -255,6 +346,7 @@ impl Scan {
         if took <= LATE_REPLY_MAX {
             self.reply_times.add(took);
         }
+        false
     }
 
     pub(crate) fn status(&self) -> JobStatus {
@@ -279,7 +371,8 @@ impl Scan {
     pub(crate) fn report(&self, now: Instant, complete: bool) -> ScanReport {
         ScanReport {
             found: self.found.clone(),
-            noisy: self.where_address(|address| !address.is_found() && !address.is_silent()),
+            noisy: self.noisy(),
+            fault: self.fault(),
             asked: self.asked,
             complete,
             took_ms: u32::try_from(now.since(self.began).as_millis()).unwrap_or(u32::MAX),
@@ -301,11 +394,18 @@ impl Scan {
     /// in twenty loses several during the measurement. If no motor is found but the ID query had an
     /// answer, a motor is missing.
     fn passes(&self) -> u8 {
+        if self.is_behind_blocks() {
+            return 1;
+        }
         if self.found.is_empty() && self.id_query_answered {
             return PASSES_ON_A_BAD_LINE;
         }
         let again = u8::try_from(self.lost).unwrap_or(u8::MAX);
         again.saturating_add(1).min(PASSES_ON_A_BAD_LINE)
+    }
+
+    fn noisy<C: FromIterator<MotorId>>(&self) -> C {
+        self.where_address(|address| !address.is_found() && !address.is_silent())
     }
 
     fn silent(&self) -> VecDeque<MotorId> {

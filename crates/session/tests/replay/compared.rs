@@ -81,6 +81,7 @@ fn recorded(counters: Counters) -> Counters {
         echoes_whole: 0,
         echoes_cut: 0,
         level_bytes: 0,
+        text_bytes: 0,
         blocks: 0,
         // Only the computer that recorded knows when it was late.
         not_asked: 0,

@@ -53,6 +53,10 @@ impl Adapter {
     }
 
     pub(crate) fn set_faults(&mut self, faults: WireFaults) {
+        if faults.block != self.faults.block {
+            // Another adapter, or another driver.
+            self.block.clear();
+        }
         self.faults = faults;
     }
 
