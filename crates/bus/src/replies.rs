@@ -281,7 +281,9 @@ impl Bus {
         match (&mut motor.control, named) {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
             (Control::Stopping(stop), Some(mode)) => stop.record_loop(mode),
-            (Control::Driven(driven), Some(_)) if waited => driven.next_frame = now,
+            // Before all other drive frames: behind those of several motors on a slow adapter, the answer would be too
+            // old for it again.
+            (Control::Driven(driven), Some(_)) if waited => driven.next_frame = Instant::ZERO,
             _ => {}
         }
     }
