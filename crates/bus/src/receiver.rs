@@ -214,7 +214,7 @@ impl Receiver {
             if !settled && (window.is_open || is_its(window.offset) && unfinished()) {
                 return Found::Ambiguous;
             }
-            if is_its(window.offset) {
+            if is_its(window.offset) && !window.is_unclear {
                 return Found::At(window.offset);
             }
             from = window.offset + FRAME_LEN;

@@ -24,6 +24,8 @@ pub(super) struct Window {
     pub(super) offset: usize,
     /// Whether more bytes may show that another window is the true one.
     pub(super) is_open: bool,
+    /// Whether another window is as likely, so that neither is a reply.
+    pub(super) is_unclear: bool,
 }
 
 /// The next good frame at or after `from`.
@@ -31,7 +33,8 @@ pub(super) struct Window {
 /// Two overlapping windows cannot both be true: about one in 256 windows that begin like a reply
 /// has a good CRC by chance, behind a truncated echo or across two frames. The first is the true
 /// one, unless it is not part of a row of frames and there is a reason for the other: fewer faults are in it, a frame
-/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes end.
+/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes end. If the other has more
+/// faults, but the echo before it and nothing behind it, they cannot be told apart: the motor may have that fault.
 pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
     let is_good = |offset: usize| replier_at(model, bytes, offset).is_some();
     let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
@@ -48,6 +51,7 @@ pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame)
     };
     let mut offset = first;
     let mut is_open = false;
+    let mut is_unclear = false;
     if !is_good(first + FRAME_LEN) {
         let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
         let has_reason =
@@ -68,8 +72,14 @@ pub(super) fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame)
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
         let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
         is_open = rivals().next().is_some() && may_be_followed && !is_settled;
+        let explains_all = |rival: usize| follows_echo(rival) && ends_at(rival) && doubt(rival) < 2;
+        is_unclear = offset == first && rivals().any(explains_all);
     }
-    Some(Window { offset, is_open })
+    Some(Window {
+        offset,
+        is_open,
+        is_unclear,
+    })
 }
 
 /// Byte 1 of a reply in this layout, if it has a fixed one.
