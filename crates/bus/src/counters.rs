@@ -33,7 +33,7 @@ pub struct Counters {
     pub junk_bytes: u64,
     /// Bytes `00` or `FF` among them, where nothing else was: the levels of a pair that nothing drives.
     pub level_bytes: u64,
-    /// Bytes of text among the junk, where nothing else was.
+    /// Bytes of text among the junk, where nothing else was and they were eight or more.
     pub text_bytes: u64,
     /// Chunks of exactly 32 bytes, as from an adapter that delivers only full blocks.
     pub blocks: u64,

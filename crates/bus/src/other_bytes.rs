@@ -6,6 +6,7 @@ use crate::{
     bus::Bus,
     counters::Counters,
     exchange::{Exchange, Expects, Line},
+    model::foreign_text::Text,
     motor::Motor,
     receiver::{OtherBytes, ReceivedReply, Segment},
 };
@@ -109,7 +110,7 @@ pub(crate) fn count_line(counters: &mut Counters, rest: &OtherBytes) {
     counters.junk_bytes += rest.junk_bytes as u64;
     if rest.is_levels() {
         counters.level_bytes += rest.junk_bytes as u64;
-    } else if rest.text.is_some() {
+    } else if rest.text.is_some_and(Text::is_long) {
         counters.text_bytes += rest.junk_bytes as u64;
     }
 }

@@ -30,6 +30,11 @@ impl Text {
             is_json: bytes.windows(2).any(|pair| pair == b"{\""),
         })
     }
+
+    /// Whether it is too long for noise: of random bytes, eight are text once in 2,000 times.
+    pub(crate) const fn is_long(self) -> bool {
+        self.bytes >= 8
+    }
 }
 
 /// Whether a log has this byte: a printable character, the end of a line, a tabulator, or the start of a colour.
