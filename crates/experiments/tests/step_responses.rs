@@ -41,6 +41,7 @@ fn medians(repeats: &[StepFigures]) -> StepFigures {
         settling_s: all.settling_s.map(|it| it.median),
         steady_error: all.steady_error.map(|it| it.median),
         peak_amps: all.peak_amps.map(|it| it.median),
+        ..StepFigures::default()
     }
 }
 
@@ -55,6 +56,7 @@ fn measure(answer: &dyn Fn(f64) -> f64, noise: f64, seed: u64) -> StepFigures {
                 to: 100.0,
                 response: &response,
                 amps: &[],
+                resolution: 1.0,
             })
         })
         .collect();
@@ -70,7 +72,7 @@ fn a_first_order_system_has_the_figures_of_the_textbook() {
         overshoot: Some(0.0),
         settling_s: Some(0.2 * 50.0_f64.ln()),
         steady_error: Some(0.0),
-        peak_amps: None,
+        ..StepFigures::default()
     };
     agree(&found, &exact, 100.0, "first order");
     agree(
@@ -136,12 +138,13 @@ fn what_the_replies_do_not_show_has_no_figure() {
             to: 100.0,
             response,
             amps: &[],
+            resolution: 1.0,
         })
     };
     // A blocked wheel.
     let found = run(&points(&[0.0; 20]));
-    assert_eq!((found.rise_s, found.settling_s), (None, None));
-    assert_eq!(found.steady_error, Some(100.0));
+    assert!(!found.settled);
+    assert_eq!((found.rise_s, found.steady_error), (None, None));
     // Too few replies.
     assert_eq!(run(&points(&[0.0, 100.0])).steady_error, None);
     // One that swings on does not settle.

@@ -5,7 +5,7 @@ mod analytic_systems;
 mod bench;
 mod measured;
 
-use std::time::Duration;
+use std::{f64::consts::TAU, time::Duration};
 
 use analytic_systems::{VelocityLoop, exact_figures};
 use bench::{Bench, ONE};
@@ -13,14 +13,14 @@ use measured::{DRY, HEATING_S, INERTIA, VISCOUS};
 use motorlink_experiments::{
     analysis::{Invalid, Spread},
     plan::Fleet,
-    runner::End,
-    sequence::{Quantity, Selection, Sequence, Step},
+    runner::{End, Mark, Record, RecordPart, Sample, SentSetpoint},
+    sequence::{self, Action, Move, Quantity, Selection, Sequence, Shape, Step},
     study::{
         CoastDownFindings, Findings, FrequencyStudy, HeatingStudy, Measured, StepStudy, Study,
         StudyKind, TorqueSpeedFindings,
     },
 };
-use motorlink_protocol::{Acceleration, MotorId};
+use motorlink_protocol::{Acceleration, Instant, MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::MotorConfig;
 
 fn run(study: &Study, bench: &mut Bench) -> Findings {
@@ -70,7 +70,7 @@ fn a_frequency_study_marks_what_it_cannot_measure() {
     };
     assert_eq!((found.points.len(), found.left_out), (11, 0));
     // The loop lags by 58 ms: see `frequency_responses.rs`.
-    let lag = |hz: f64| -20.0 * (std::f64::consts::TAU * hz * 0.058).hypot(1.0).log10();
+    let lag = |hz: f64| -20.0 * (TAU * hz * 0.058).hypot(1.0).log10();
     for point in found.points {
         assert_eq!(point.invalid.is_none(), point.hz < 10.1, "{point:?}");
         let is_slow = point.hz < 2.6;
@@ -100,6 +100,180 @@ fn a_line_that_carries_fewer_requests_than_wished_loses_no_reply() {
     assert_eq!(lost.count(), 0);
 }
 
+/// At 0.2 Hz the setpoint changes more seldom than it is sent.
+#[test]
+fn a_point_with_lost_replies_is_not_valid_at_any_frequency() {
+    let study = Study::Frequency(FrequencyStudy {
+        highest_hz: 0.4,
+        points: 2,
+        ..FrequencyStudy::of(ONE)
+    });
+    for (lost, expected) in [(0.7, Some(Invalid::RepliesLost)), (0.1, None)] {
+        let mut bench = Bench::losing(4, MotorConfig::default(), lost);
+        let Findings::Frequency(found) = run(&study, &mut bench) else {
+            panic!("not a frequency response");
+        };
+        let invalid: Vec<_> = found.points.iter().map(|point| point.invalid).collect();
+        assert_eq!(invalid, [expected; 2], "{lost}");
+    }
+}
+
+#[test]
+fn a_small_step_settles_at_the_same_time_for_any_hold() {
+    let settling = |hold_s: f64| {
+        let study = Study::Step(StepStudy {
+            to_rpm: 10.0,
+            hold_s,
+            ..StepStudy::of(ONE)
+        });
+        let Findings::Step(found) = run(&study, &mut Bench::new(7, MotorConfig::default())) else {
+            panic!("not a step response");
+        };
+        assert_eq!(found.groups[0].summary.settled, 5, "{hold_s} s");
+        found.groups[0].summary.settling_s.unwrap().median
+    };
+    let all = [1.0, 3.0, 10.0, 30.0].map(settling);
+    assert!(
+        all.iter()
+            .all(|it| (it / all[3] - 1.0).abs() < 0.05 && *it < 0.4),
+        "{all:?}"
+    );
+}
+
+#[test]
+fn a_step_that_is_cut_short_has_only_latency_and_peaks() {
+    for (acceleration, hold_s) in [(10, 1.5), (20, 2.0), (100, 1.5), (255, 1.5)] {
+        let study = Study::Step(StepStudy {
+            hold_s,
+            repeats: 2,
+            accelerations: vec![Acceleration::new(acceleration)],
+            ..StepStudy::of(ONE)
+        });
+        let Findings::Step(found) = run(&study, &mut Bench::new(7, MotorConfig::default())) else {
+            panic!("not a step response");
+        };
+        for repeat in &found.groups[0].repeats {
+            let figures = repeat.figures;
+            assert!(!figures.settled);
+            assert!(figures.latency_s.is_some() && figures.peak.is_some());
+            let others = [figures.rise_s, figures.overshoot, figures.wrong_way];
+            assert_eq!(others, [None; 3]);
+            assert_eq!((figures.settling_s, figures.steady_error), (None, None));
+        }
+    }
+}
+
+/// The hold that the study offers is long enough, and not twice as long as needed.
+#[test]
+fn a_step_settles_within_the_hold_that_is_offered() {
+    for (from_rpm, to_rpm, acceleration) in [
+        (0.0, 100.0, 1),
+        (0.0, 100.0, 10),
+        (-100.0, 100.0, 5),
+        (120.0, 20.0, 20),
+        (50.0, -60.0, 20),
+    ] {
+        let mut study = StepStudy {
+            from_rpm,
+            to_rpm,
+            repeats: 2,
+            rest_s: 3.0,
+            accelerations: vec![Acceleration::new(acceleration)],
+            ..StepStudy::of(ONE)
+        };
+        study.hold_s = study.hold_offered_s(Model::Ddsm115);
+        let Findings::Step(found) = run(
+            &Study::Step(study),
+            &mut Bench::new(7, MotorConfig::default()),
+        ) else {
+            panic!("not a step response");
+        };
+        assert_eq!(
+            found.groups[0].summary.settled, 2,
+            "{from_rpm} {to_rpm} {acceleration}"
+        );
+    }
+}
+
+/// Replies of a motor that follows at once, at 38400 baud: 2.6 ms for each frame.
+#[test]
+fn a_ddsm400_has_no_lag_of_its_baud() {
+    let airtime = Model::Ddsm400.frame_airtime();
+    let study = FrequencyStudy {
+        lowest_hz: 5.0,
+        highest_hz: 10.0,
+        points: 2,
+        ..FrequencyStudy::of(ONE)
+    };
+    let began = Instant::from_millis(1_000);
+    let mut record = Record::default();
+    record.began(began);
+    let mut part = RecordPart::default();
+    let mut step_at = began;
+    for (step, (shape, for_s)) in moves(&Study::Frequency(study.clone()).sequence())
+        .into_iter()
+        .enumerate()
+    {
+        part.marks.push(Mark { at: step_at, step });
+        let Shape::Sine(wave) = shape else {
+            step_at = step_at + Duration::from_secs_f64(for_s);
+            continue;
+        };
+        let ticks = 0_u32..;
+        for t_s in ticks
+            .map(|tick| f64::from(tick) * 0.01)
+            .take_while(|t_s| *t_s < for_s)
+        {
+            let at = step_at + Duration::from_secs_f64(t_s);
+            let rpm = format!(
+                "{:.0}",
+                wave.centre + wave.amplitude * (TAU * wave.hz * t_s).sin()
+            );
+            let rpm: i16 = rpm.parse().unwrap();
+            let setpoint = Setpoint::velocity(SpeedTarget::clamped(rpm.into()));
+            part.sent.push(SentSetpoint {
+                id: ONE,
+                at,
+                setpoint,
+            });
+            // It reports what it has just been told.
+            part.samples.push(Sample {
+                id: ONE,
+                at: at + airtime + Duration::from_millis(5) + airtime,
+                rpm: Some(rpm),
+                current: None,
+                degrees: None,
+                celsius: None,
+            });
+        }
+        step_at = step_at + Duration::from_secs_f64(for_s);
+    }
+    record.add_part(part);
+    record.ended(End::Finished { at: step_at });
+    let measured = Measured::of(Model::Ddsm400, 100.0);
+    let Findings::Frequency(found) = Study::Frequency(study).evaluate(&record, &measured) else {
+        panic!("not a frequency response");
+    };
+    assert_eq!(found.points.len(), 2);
+    for point in found.points {
+        // The middle of a held setpoint is 5 ms behind its beginning, where it is measured.
+        assert_eq!(point.invalid, None);
+        assert!(point.phase_deg.abs() < 0.5, "{point:?}");
+    }
+}
+
+fn moves(sequence: &Sequence) -> Vec<(Shape, f64)> {
+    let moves = sequence.steps.iter().map(|step| match step {
+        Step::Move(Move {
+            action: Action::Follow { shape, .. },
+            end: sequence::End::After(for_s),
+            ..
+        }) => (*shape, *for_s),
+        other => panic!("{other:?}"),
+    });
+    moves.collect()
+}
+
 #[test]
 fn a_friction_study_measures_both_directions() {
     let motor = MotorConfig {
@@ -117,7 +291,7 @@ fn a_friction_study_measures_both_directions() {
     assert_eq!((found.levels.len(), found.left_out), (8, 0));
     let fit = found.friction.unwrap();
     for rpm in [20.0, 80.0] {
-        let torque_nm = DRY + 0.75 + VISCOUS * rpm * std::f64::consts::TAU / 60.0;
+        let torque_nm = DRY + 0.75 + VISCOUS * rpm * TAU / 60.0;
         // The motor reports its torque current and, at a right angle to it, 0.235 A of field current.
         let reported = (torque_nm / 0.75).hypot(0.235);
         let amps = fit.coulomb_a.value + fit.viscous_a_per_rpm.value * rpm;

@@ -10,8 +10,14 @@ use web_sys::KeyboardEvent;
 
 use crate::{
     features::experiments::{state::Experiments, texts},
-    ui::reactive::{dynamic, effect, handler, memo},
+    ui::{
+        button::PressButton,
+        reactive::{dynamic, effect, handler, memo},
+    },
 };
+
+/// The parameter of a step that the page offers a value for.
+const HOLD: &str = "hold_s";
 
 /// The fields of the study that the tab shows.
 #[component]
@@ -30,7 +36,7 @@ pub(super) fn StudyFields(of: Experiments) -> impl IntoView {
             })?;
             let fields = names.into_iter().map(|name| view! { <ParameterField of kind name /> });
             let accelerations = (kind == StudyKind::Step)
-                .then(|| view! { <Accelerations of /> });
+                .then(|| view! { <Accelerations of /> <Hold of /> });
             Some(view! {
                 <p class="experiment-advice">{texts::advice(kind)}</p>
                 <MotorField of kind />
@@ -158,6 +164,64 @@ fn ParameterField(of: Experiments, kind: StudyKind, name: &'static str) -> impl 
             </span>
             <span class="ask-words" aria-live="polite">{dynamic(objection)}</span>
         </label>
+    }
+}
+
+/// How long the ramp of the motor takes, and a hold in which the step settles.
+#[component]
+fn Hold(of: Experiments) -> impl IntoView {
+    let step = memo(move || {
+        of.studies.with(|studies| {
+            studies.iter().find_map(|study| match study {
+                Study::Step(study) => Some(study.clone()),
+                _ => None,
+            })
+        })
+    });
+    let offered_s = move || {
+        step.get()
+            .map(|step| step.hold_offered_s(of.page.model.get()))
+    };
+    let longest_s =
+        move || parameter(of, StudyKind::Step, HOLD).map_or(0.0, |(_, (_, max), _)| max);
+    let words = move || {
+        let Some((step, offered_s)) = step.get().zip(offered_s()) else {
+            return String::new();
+        };
+        let ramp = texts::duration(step.ramp_s(of.page.model.get()));
+        let (longest_s, offered) = (longest_s(), texts::duration(offered_s));
+        if offered_s > longest_s {
+            let longest = texts::duration(longest_s);
+            return tr!(
+                "The ramp of the motor takes {ramp}. No hold up to {longest} is enough: choose a lower acceleration.",
+                ramp,
+                longest
+            );
+        }
+        tr!(
+            "The ramp of the motor takes {ramp}. Hold the step for {offered} or longer.",
+            ramp,
+            offered
+        )
+    };
+    let button = move || {
+        let offered_s = offered_s()?;
+        let hold_s = step.get()?.hold_s;
+        (hold_s < offered_s && offered_s <= longest_s()).then(|| {
+            let label = tr!("Hold for {time}", time = texts::duration(offered_s));
+            let set = move || {
+                of.change(|study| {
+                    if let Study::Step(step) = study {
+                        step.hold_s = offered_s;
+                    }
+                });
+            };
+            view! { <PressButton label class="button small" on_press=set /> }
+        })
+    };
+    view! {
+        <p class="experiment-advice">{dynamic(words)}</p>
+        {button}
     }
 }
 

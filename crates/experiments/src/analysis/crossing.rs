@@ -22,22 +22,12 @@ pub(super) fn changes(points: &[Point]) -> Vec<Point> {
     first.into_iter().chain(middles).chain(last).collect()
 }
 
-/// The first time at or after `from_s` at which lines between the points reach `level`, from below.
-pub(super) fn first_reaching(points: &[Point], level: f64, from_s: f64) -> Option<f64> {
-    let later = |point: &&Point| point.t_s >= from_s;
-    let pairs = points.iter().zip(points.iter().skip(1));
-    let crossing = pairs
-        .filter(|(_, next)| later(next))
-        .find(|(one, next)| one.value < level && next.value >= level);
-    match crossing {
-        Some((one, next)) => Some(between(*one, *next, level).max(from_s)),
-        // The first point has reached it already.
-        None => points
-            .iter()
-            .find(later)
-            .filter(|point| point.value >= level)
-            .map(|point| point.t_s),
-    }
+/// The first time at which lines between the points reach `level`, from below. The first point may have reached it.
+pub(super) fn first_reaching(points: &[Point], level: f64) -> Option<f64> {
+    let place = points.iter().position(|point| point.value >= level)?;
+    let reached = points.get(place)?;
+    let before = place.checked_sub(1).and_then(|before| points.get(before));
+    Some(before.map_or(reached.t_s, |before| between(*before, *reached, level)))
 }
 
 /// The last time at which lines between the points deviate more than `off` from `level`.

@@ -10,14 +10,16 @@ mod friction;
 mod heating;
 mod inertia;
 mod least_squares;
+mod peak;
 mod silence;
 mod statistics;
+mod steady;
 mod step_response;
 mod torque_speed;
 mod trace;
 
 pub use coast_down::{CoastDown, coast_down};
-pub use frequency::{BodePoint, Invalid, SineRun, frequency_point, unwrap_phases};
+pub use frequency::{BodePoint, Invalid, SineRun, bandwidth_hz, frequency_point, unwrap_phases};
 pub use friction::{Friction, SpeedLevel, friction};
 pub use heating::{Heating, heating};
 pub use inertia::{Inertia, Push, inertia};
@@ -30,6 +32,9 @@ pub use trace::Trace;
 
 /// Torque of one ampere, in N.m (the maker's figure for M0601 and DDSM115).
 pub const TORQUE_NM_PER_A: f64 = 0.75;
+
+/// The smallest difference of speed that a sample can show, in rpm.
+pub const RPM_RESOLUTION: f64 = 1.0;
 
 /// rad/s of one rpm.
 const RAD_S_PER_RPM: f64 = std::f64::consts::TAU / 60.0;

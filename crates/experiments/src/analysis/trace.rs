@@ -1,9 +1,14 @@
 //! The samples of one motor as signals over time.
 
+use std::time::Duration;
+
 use motorlink_protocol::{FRAME_AIRTIME, Instant, MotorId, Setpoint};
 
-use super::Point;
+use super::{Point, statistics::mean};
 use crate::runner::Record;
+
+/// Two periods are longer than this many.
+const ONE_PERIOD: f64 = 1.5;
 
 /// Signals of one motor of a run, in seconds since its start.
 ///
@@ -23,15 +28,21 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// The signals of this motor; empty if the run was not started.
+    /// The signals of this motor at the baud of a DDSM115; empty if the run was not started.
     #[must_use]
     pub fn of(record: &Record, id: MotorId) -> Self {
+        Self::with_airtime(record, id, FRAME_AIRTIME)
+    }
+
+    /// The signals of this motor; empty if the run was not started. `airtime` is that of a frame of its model.
+    #[must_use]
+    pub fn with_airtime(record: &Record, id: MotorId, airtime: Duration) -> Self {
         let Some(began) = record.began_at() else {
             return Self::default();
         };
         let since = |at: Instant| at.since(began).as_secs_f64();
-        let received = |at: Instant| since(at + FRAME_AIRTIME);
-        let measured = |at: Instant| since(at) - FRAME_AIRTIME.as_secs_f64();
+        let received = |at: Instant| since(at + airtime);
+        let measured = |at: Instant| since(at) - airtime.as_secs_f64();
         let sent = record.sent_setpoints().iter();
         let samples = || record.samples().iter().filter(|sample| sample.id == id);
         let point = Point::new;
@@ -52,6 +63,23 @@ impl Trace {
                 .filter_map(|sample| Some(point(measured(sample.at), sample.celsius?.into())))
                 .collect(),
         }
+    }
+
+    /// Requests per second that the line carried, at most `asked_hz`.
+    ///
+    /// Requests are not recorded. Their period is the shortest time between replies that occurs often: the mean of the
+    /// intervals up to [`ONE_PERIOD`] times the shortest twentieth. Lost replies only add longer ones.
+    #[must_use]
+    pub fn request_hz(&self, asked_hz: f64) -> f64 {
+        let pairs = self.rpm.iter().zip(self.rpm.iter().skip(1));
+        let mut intervals: Vec<f64> = pairs.map(|(one, next)| next.t_s - one.t_s).collect();
+        intervals.sort_by(f64::total_cmp);
+        let Some(short_s) = intervals.get(intervals.len() / 20) else {
+            return asked_hz;
+        };
+        let longest_s = short_s * ONE_PERIOD;
+        let of_one_period = intervals.iter().copied().filter(|it| *it <= longest_s);
+        mean(of_one_period).map_or(asked_hz, |period_s| asked_hz.min(1.0 / period_s))
     }
 
     /// The points of a signal from one time up to another.

@@ -35,7 +35,7 @@ impl Axis {
         // These are read against zero.
         let (least, greatest) = match name {
             AxisName::Time => (least.min(0.0), greatest),
-            AxisName::Coherence => (0.0, 1.0),
+            AxisName::RSquared => (0.0, 1.0),
             _ => (least, greatest),
         };
         let span = (greatest - least).max(1e-3 * greatest.abs()).max(1e-6);

@@ -34,8 +34,8 @@ pub enum AxisName {
     Gain,
     /// Degrees.
     Phase,
-    /// 0 to 1.
-    Coherence,
+    /// The part of the power that a sine explains, 0 to 1.
+    RSquared,
 }
 
 /// Gives the name of an axis with its unit, in the language of the reader.

@@ -100,7 +100,7 @@ const fn kinds(findings: &Findings) -> &'static [(AxisName, AxisName)] {
         Findings::Frequency(_) => &[
             (AxisName::Frequency, AxisName::Gain),
             (AxisName::Frequency, AxisName::Phase),
-            (AxisName::Frequency, AxisName::Coherence),
+            (AxisName::Frequency, AxisName::RSquared),
         ],
         Findings::Friction(_) => &[(AxisName::Speed, AxisName::Current)],
         Findings::Heating(_) => &[(AxisName::Time, AxisName::Temperature)],
@@ -215,15 +215,18 @@ fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<
     lines
 }
 
-/// Lines between neighbouring valid points, and crosses at the others: an invalid point is not bridged.
+/// Lines between neighbouring valid points, and crosses at the others: an invalid point is not bridged, nor is a phase
+/// whose turn is unknown.
 fn bode(points: &[BodePoint], kind: usize) -> impl Iterator<Item = (Look, Vec<(f64, f64)>)> {
     let value = move |point: &BodePoint| match kind {
         0 => point.gain_db,
         1 => point.phase_deg,
-        _ => point.coherence,
+        _ => point.r_squared,
     };
+    let is_off =
+        move |point: &BodePoint| point.invalid.is_some() || kind == 1 && !point.turn_is_known;
     let stretches: Vec<Vec<(f64, f64)>> = points
-        .split(|point| point.invalid.is_some())
+        .split(is_off)
         .map(|stretch| {
             stretch
                 .iter()
@@ -233,7 +236,7 @@ fn bode(points: &[BodePoint], kind: usize) -> impl Iterator<Item = (Look, Vec<(f
         .filter(|stretch: &Vec<_>| !stretch.is_empty())
         .collect();
     let dots: Vec<(f64, f64)> = stretches.iter().flatten().copied().collect();
-    let invalid = points.iter().filter(|point| point.invalid.is_some());
+    let invalid = points.iter().filter(|point| is_off(point));
     let crosses: Vec<(f64, f64)> = invalid
         .map(|point| (point.hz, value(point)))
         .filter(|(_, value)| value.is_finite())
@@ -280,7 +283,10 @@ mod tests {
             hz,
             gain_db: -hz,
             phase_deg: 0.0,
-            coherence: 1.0,
+            turn_is_known: true,
+            r_squared: 1.0,
+            from_s: 0.0,
+            to_s: 1.0,
             invalid,
         };
         let points = [

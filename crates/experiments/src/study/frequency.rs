@@ -9,7 +9,9 @@ use super::{
     spans::{follow, hold_rpm, ramp_rpm, spans},
 };
 use crate::{
-    analysis::{BodePoint, SineRun, Trace, frequency_point, unwrap_phases},
+    analysis::{
+        BodePoint, RPM_RESOLUTION, SineRun, Trace, bandwidth_hz, frequency_point, unwrap_phases,
+    },
     runner::Record,
     sequence::{End, HZ_MAX, Problem, Quantity, RunLimits, Sequence, SequenceError, Shape, Wave},
 };
@@ -51,6 +53,8 @@ pub struct FrequencyStudy {
 pub struct FrequencyFindings {
     /// One for each measured frequency. Invalid points are marked.
     pub points: Vec<BodePoint>,
+    /// Where the gain is 3 dB below that of the first point. See [`bandwidth_hz`].
+    pub bandwidth_hz: Option<f64>,
     /// Frequencies that were paused. They have no point.
     pub left_out: usize,
 }
@@ -144,10 +148,12 @@ impl FrequencyStudy {
     }
 
     pub(super) fn evaluate(&self, record: &Record, measured: &Measured) -> FrequencyFindings {
-        let trace = Trace::of(record, self.motor);
+        let trace = Trace::with_airtime(record, self.motor, measured.airtime);
+        let request_hz = trace.request_hz(measured.request_hz);
         let sines = self.sines();
         let mut found = FrequencyFindings {
             points: Vec::new(),
+            bandwidth_hz: None,
             left_out: 0,
         };
         for span in spans(record) {
@@ -160,23 +166,21 @@ impl FrequencyStudy {
                 found.left_out += 1;
                 continue;
             }
-            // The line can carry fewer requests than were wished for.
-            let sent = Trace::between(&trace.command, span.from_s, span.to_s).len();
-            let sent = f64::from(u32::try_from(sent).unwrap_or(u32::MAX));
-            let sent_hz = sent / (span.to_s - span.from_s).max(f64::EPSILON);
             found.points.push(frequency_point(&SineRun {
                 hz: wave.hz,
+                amplitude: wave.amplitude,
                 from_s: span.from_s + SETTLE_S,
                 to_s: span.to_s,
                 command: &trace.command,
                 response: &trace.rpm,
                 amps: &trace.amps,
                 amps_max: measured.amps_max,
-                request_hz: measured.request_hz.min(sent_hz),
-                resolution: 1.0,
+                request_hz,
+                resolution: RPM_RESOLUTION,
             }));
         }
         unwrap_phases(&mut found.points);
+        found.bandwidth_hz = bandwidth_hz(&found.points);
         found
     }
 }

@@ -28,7 +28,9 @@ mod spans;
 mod step;
 mod torque_speed;
 
-use motorlink_protocol::MotorId;
+use std::time::Duration;
+
+use motorlink_protocol::{MotorId, family::Model};
 
 pub use coast_down::{CoastDownFindings, CoastDownStudy};
 pub use frequency::{FrequencyFindings, FrequencyStudy};
@@ -116,15 +118,26 @@ pub struct Measured {
     pub request_hz: f64,
     /// The current bound of the motor, in A, if known.
     pub amps_max: Option<f64>,
+    /// Time that a frame occupies the line.
+    pub airtime: Duration,
+}
+
+impl Measured {
+    /// At this rate, with motors of this model. Only the stall current of the M0601 and DDSM115 is known.
+    #[must_use]
+    pub fn of(model: Model, request_hz: f64) -> Self {
+        Self {
+            request_hz,
+            amps_max: (model == Model::Ddsm115).then_some(2.7),
+            airtime: model.frame_airtime(),
+        }
+    }
 }
 
 impl Default for Measured {
-    /// The default rate of a run, and the stall current of the M0601 and DDSM115.
+    /// The default rate of a run, with a DDSM115.
     fn default() -> Self {
-        Self {
-            request_hz: 200.0,
-            amps_max: Some(2.7),
-        }
+        Self::of(Model::Ddsm115, 200.0)
     }
 }
 
@@ -264,8 +277,8 @@ impl Study {
     #[must_use]
     pub fn evaluate(&self, record: &Record, measured: &Measured) -> Findings {
         match self {
-            Self::Sequence(_) => Findings::Sequence(traces(record)),
-            Self::Step(study) => Findings::Step(study.evaluate(record)),
+            Self::Sequence(_) => Findings::Sequence(traces(record, measured.airtime)),
+            Self::Step(study) => Findings::Step(study.evaluate(record, measured)),
             Self::Frequency(study) => Findings::Frequency(study.evaluate(record, measured)),
             Self::Friction(study) => Findings::Friction(study.evaluate(record)),
             Self::CoastDown(study) => Findings::CoastDown(study.evaluate(record)),
@@ -276,11 +289,11 @@ impl Study {
     }
 }
 
-fn traces(record: &Record) -> Vec<(MotorId, Trace)> {
+fn traces(record: &Record, airtime: Duration) -> Vec<(MotorId, Trace)> {
     let mut ids: Vec<MotorId> = record.samples().iter().map(|sample| sample.id).collect();
     ids.sort_by_key(|id| id.get());
     ids.dedup();
     ids.into_iter()
-        .map(|id| (id, Trace::of(record, id)))
+        .map(|id| (id, Trace::with_airtime(record, id, airtime)))
         .collect()
 }

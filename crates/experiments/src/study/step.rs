@@ -1,19 +1,27 @@
 //! The study of the step response.
 
-use motorlink_protocol::{Acceleration, MotorId};
+use motorlink_protocol::{Acceleration, MotorId, family::Model};
 
 use super::{
-    Parameter,
+    Measured, Parameter,
     spans::{accelerated, hold_rpm, ramp_rpm, spans},
 };
 use crate::{
-    analysis::{Point, StepFigures, StepRun, StepSummary, Trace, step_figures, step_summary},
+    analysis::{
+        Point, RPM_RESOLUTION, StepFigures, StepRun, StepSummary, Trace, step_figures, step_summary,
+    },
     runner::Record,
     sequence::{End, Problem, Quantity, RunLimits, Sequence, SequenceError, Shape},
 };
 
 /// Maximal number of accelerations side by side: more curves are not told apart.
 const ACCELERATIONS_MAX: usize = 6;
+/// A motor gets slower by this much in a second: 120 rpm in 250 to 370 ms.
+const FALL_RPM_PER_S: f64 = 300.0;
+/// Behind the ramp the speed lags by 60 ms (measured on real units). It takes ten times that to end.
+const LAG_S: f64 = 0.6;
+/// A step is judged by the last quarter of its hold.
+const BEFORE_TAIL: f64 = 0.75;
 /// The last step goes to 0 rpm in this time.
 const RUN_OUT_S: f64 = 1.0;
 
@@ -63,6 +71,10 @@ pub struct StepGroup {
 /// One step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRepeat {
+    /// When the motor received the step, in seconds since the start of the run.
+    pub at_s: f64,
+    /// The end of the hold.
+    pub to_s: f64,
     /// Its figures.
     pub figures: StepFigures,
     /// Speed in rpm, in seconds since the motor received the step.
@@ -110,6 +122,29 @@ impl StepStudy {
         Ok(())
     }
 
+    /// How long the slowest acceleration takes to reach the speed of the step, in seconds.
+    ///
+    /// A motor of this model takes a time per rpm for each unit of acceleration, on the way to a higher speed. On the
+    /// way down it takes none into account.
+    #[must_use]
+    pub fn ramp_s(&self, model: Model) -> f64 {
+        let units = self.accelerations.iter().map(|it| it.byte().max(1));
+        let units = f64::from(units.max().unwrap_or(1));
+        let same_side = self.from_rpm * self.to_rpm > 0.0;
+        let begins = if same_side { self.from_rpm.abs() } else { 0.0 };
+        let faster = (self.to_rpm.abs() - begins).max(0.0);
+        let us_per_rpm = f64::from(model.spec().acceleration_us_per_rpm);
+        faster * units * us_per_rpm / 1e6
+    }
+
+    /// A hold that is long enough for the step to settle before its last quarter, to 0.1 s.
+    #[must_use]
+    pub fn hold_offered_s(&self, model: Model) -> f64 {
+        let slower = (self.from_rpm - self.to_rpm).abs();
+        let whole_s = self.ramp_s(model) + slower / FALL_RPM_PER_S + LAG_S;
+        (whole_s / BEFORE_TAIL * 10.0).ceil() / 10.0
+    }
+
     pub(super) fn sequence(&self) -> Sequence {
         let mut steps = Vec::new();
         for acceleration in &self.accelerations {
@@ -132,8 +167,8 @@ impl StepStudy {
         }
     }
 
-    pub(super) fn evaluate(&self, record: &Record) -> StepFindings {
-        let trace = Trace::of(record, self.motor);
+    pub(super) fn evaluate(&self, record: &Record, measured: &Measured) -> StepFindings {
+        let trace = Trace::with_airtime(record, self.motor, measured.airtime);
         let passes = usize::try_from(self.repeats).unwrap_or(usize::MAX);
         let mut groups: Vec<StepGroup> = Vec::new();
         let mut left_out = 0;
@@ -180,9 +215,12 @@ impl StepStudy {
             to: self.to_rpm,
             response,
             amps: Trace::between(&trace.amps, at_s, to_s),
+            resolution: RPM_RESOLUTION,
         });
         let since = |point: &Point| Point::new(point.t_s - at_s, point.value);
         StepRepeat {
+            at_s,
+            to_s,
             figures,
             rpm: response.iter().map(since).collect(),
         }

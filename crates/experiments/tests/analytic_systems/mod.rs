@@ -22,7 +22,7 @@ pub fn exact_figures(answer: impl Fn(f64) -> f64, until_s: f64) -> StepFigures {
         overshoot: Some((highest - 1.0).max(0.0)),
         settling_s: outside.map(|(t_s, _)| *t_s),
         steady_error: Some(0.0),
-        peak_amps: None,
+        ..StepFigures::default()
     }
 }
 

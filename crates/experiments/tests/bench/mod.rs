@@ -34,12 +34,17 @@ pub struct Bench {
 impl Bench {
     /// One motor; 2 % of the replies are lost, and ticks are up to a millisecond late.
     pub fn new(seed: u64, motor: MotorConfig) -> Self {
+        Self::losing(seed, motor, 0.02)
+    }
+
+    /// The same with this part of the replies lost.
+    pub fn losing(seed: u64, motor: MotorConfig, lose_reply: f64) -> Self {
         let now = Instant::from_millis(1_000);
         let mut world = World::new(WorldConfig {
             seed,
             motors: vec![motor],
             faults: WireFaults {
-                lose_reply: 0.02,
+                lose_reply,
                 ..WireFaults::default()
             },
             ..WorldConfig::default()

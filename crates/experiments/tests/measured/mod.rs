@@ -8,7 +8,7 @@ use motorlink_experiments::{
         StepSummary, TORQUE_NM_PER_A, Trace, coast_down, frequency_point, heating, inertia,
         step_figures, step_summary, unwrap_phases,
     },
-    sequence::{Action, Move, Sequence, Shape, Step},
+    sequence::{Action, Move, Sequence, Shape, Step, Wave},
 };
 use motorlink_simulator::MotorConfig;
 
@@ -88,6 +88,7 @@ pub fn steps(seed: u64, acceleration: u8) -> (StepSummary, Vec<StepFigures>) {
                 to: 100.0,
                 response: run.rpm((heard.t_s, to)),
                 amps: run.amps((heard.t_s, to)),
+                resolution: 1.0,
             }))
         })
         .collect();
@@ -106,20 +107,21 @@ pub fn sweep(bench: &mut Bench, sequence: &Sequence, settle_s: f64) -> Vec<BodeP
                     ..
                 },
             ..
-        }) => Some((number, wave.hz)),
+        }) => Some((number, *wave)),
         _ => None,
     });
     let mut points: Vec<BodePoint> = sines
-        .flat_map(|(number, hz)| run.times(number).into_iter().map(move |it| (hz, it)))
-        .map(|(hz, times)| bode(&run, hz, times, settle_s))
+        .flat_map(|(number, wave)| run.times(number).into_iter().map(move |it| (wave, it)))
+        .map(|(wave, times)| bode(&run, wave, times, settle_s))
         .collect();
     unwrap_phases(&mut points);
     points
 }
 
-fn bode(run: &Run, hz: f64, (from_s, to_s): (f64, f64), settle_s: f64) -> BodePoint {
+fn bode(run: &Run, wave: Wave, (from_s, to_s): (f64, f64), settle_s: f64) -> BodePoint {
     frequency_point(&SineRun {
-        hz,
+        hz: wave.hz,
+        amplitude: wave.amplitude,
         from_s: from_s + settle_s,
         to_s,
         command: &run.trace.command,

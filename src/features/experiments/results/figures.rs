@@ -2,10 +2,10 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
-    analysis::{Estimate, Spread},
+    analysis::{Estimate, Spread, StepSummary},
     study::{
         CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
-        SilenceFindings, StepFindings, TorqueSpeedFindings,
+        SilenceFindings, StepFindings, StepGroup, TorqueSpeedFindings,
     },
 };
 
@@ -112,18 +112,27 @@ impl Figures {
     }
 }
 
-/// `22 ms (21 to 23)`: the median with the quartiles.
-fn spread(found: Option<Spread>, factor: f64, decimals: usize, unit: &str) -> String {
+/// `22 ms (21…23)`: the median with the quartiles. `n` says that it is a median of fewer than all repeats.
+fn spread(
+    found: Option<Spread>,
+    repeats: usize,
+    factor: f64,
+    decimals: usize,
+    unit: &str,
+) -> String {
     let Some(found) = found else {
         return UNKNOWN.to_owned();
     };
     let number = |value: f64| number(value * factor, decimals);
-    let median = format!("{} {unit}", number(found.median));
-    if found.count < 2 {
-        return median;
+    let mut text = format!("{} {unit}", number(found.median));
+    if found.count > 1 {
+        let (low, high) = (number(found.low), number(found.high));
+        text = format!("{text} ({low}…{high})");
     }
-    let (low, high) = (number(found.low), number(found.high));
-    format!("{median} ({low}…{high})")
+    if found.count < repeats {
+        text = format!("{text}, n = {}", found.count);
+    }
+    text
 }
 
 /// Whether a figure is computed with the torque constant.
@@ -154,6 +163,15 @@ fn number(value: f64, decimals: usize) -> String {
     in_language(text)
 }
 
+/// What a figure of a step follows from.
+#[derive(Clone, Copy)]
+enum Needs {
+    /// The replies alone.
+    Replies,
+    /// A steady value.
+    Settled,
+}
+
 fn step(found: &StepFindings) -> Figures {
     let mut figures = Figures {
         columns: found
@@ -164,32 +182,53 @@ fn step(found: &StepFindings) -> Figures {
         ..Figures::default()
     };
     let step = (found.to_rpm - found.from_rpm).abs();
-    let over = |value: fn(&StepFindings) -> Vec<Option<Spread>>, factor, decimals, unit: &str| {
-        let spreads = value(found).into_iter();
-        let text = |it| spread(it, factor, decimals, unit);
-        spreads.map(text).collect::<Vec<String>>()
-    };
-    macro_rules! of {
-        ($field:ident) => {
-            |found| {
-                found
-                    .groups
-                    .iter()
-                    .map(|group| group.summary.$field)
-                    .collect()
-            }
+    let of =
+        |needs: Needs, value: fn(&StepSummary) -> Option<Spread>, factor, decimals, unit: &str| {
+            let text = |group: &StepGroup| {
+                let (repeats, settled) = (group.repeats.len(), group.summary.settled);
+                match needs {
+                    Needs::Settled if settled == 0 => tr!("not settled").to_owned(),
+                    _ => spread(value(&group.summary), repeats, factor, decimals, unit),
+                }
+            };
+            found.groups.iter().map(text).collect::<Vec<String>>()
         };
-    }
+    let settled =
+        |group: &StepGroup| format!("{} / {}", group.summary.settled, group.repeats.len());
     let rows = [
-        (tr!("Latency"), over(of!(latency_s), 1e3, 0, "ms")),
-        (tr!("Rise time"), over(of!(rise_s), 1e3, 0, "ms")),
-        (tr!("Overshoot"), over(of!(overshoot), 100.0, 1, "%")),
-        (tr!("Settling time"), over(of!(settling_s), 1e3, 0, "ms")),
+        (tr!("Settled"), found.groups.iter().map(settled).collect()),
+        (
+            tr!("Latency"),
+            of(Needs::Replies, |it| it.latency_s, 1e3, 0, "ms"),
+        ),
+        (
+            tr!("Rise time"),
+            of(Needs::Settled, |it| it.rise_s, 1e3, 0, "ms"),
+        ),
+        (
+            tr!("Overshoot"),
+            of(Needs::Settled, |it| it.overshoot, 100.0, 1, "%"),
+        ),
+        (
+            tr!("Undershoot"),
+            of(Needs::Settled, |it| it.wrong_way, 100.0, 1, "%"),
+        ),
+        (
+            tr!("Settling time"),
+            of(Needs::Settled, |it| it.settling_s, 1e3, 0, "ms"),
+        ),
         (
             tr!("Steady-state error"),
-            over(of!(steady_error), 1.0, 1, rpm()),
+            of(Needs::Settled, |it| it.steady_error, 1.0, 1, rpm()),
         ),
-        (tr!("Peak current"), over(of!(peak_amps), 1.0, 2, "A")),
+        (
+            tr!("Peak speed"),
+            of(Needs::Replies, |it| it.peak, 1.0, 1, rpm()),
+        ),
+        (
+            tr!("Peak current"),
+            of(Needs::Replies, |it| it.peak_amps, 1.0, 2, "A"),
+        ),
     ];
     figures.rows = rows
         .into_iter()
@@ -200,6 +239,15 @@ fn step(found: &StepFindings) -> Figures {
             Figure { name, values }
         })
         .collect();
+    let total: usize = found.groups.iter().map(|group| group.repeats.len()).sum();
+    let settled: usize = found.groups.iter().map(|group| group.summary.settled).sum();
+    if settled < total {
+        figures.says(tr!(
+            "Not settled within the hold: {count} of {total}. They have only latency and peaks. Choose a longer hold.",
+            count = total - settled,
+            total
+        ));
+    }
     figures.left_out(found.left_out);
     figures.says(tr!(
         "How fast the motor follows a step of {step} rpm. The median of the repeats, with the quartiles in brackets.",
@@ -214,12 +262,10 @@ fn step(found: &StepFindings) -> Figures {
 fn frequency(found: &FrequencyFindings) -> Figures {
     let mut figures = Figures::default();
     let valid = || found.points.iter().filter(|point| point.invalid.is_none());
-    // The bandwidth is the first valid point 3 dB below the lowest one.
-    let first = valid().next().map(|point| point.gain_db);
-    let edge = first.and_then(|first| valid().find(|point| point.gain_db < first - 3.0));
+    let bandwidth = found.bandwidth_hz.map(|hz| format!("{} Hz", number(hz, 2)));
     figures.row(
         tr!("Bandwidth (\u{2212}3 dB)"),
-        edge.map(|point| format!("≤ {} Hz", number(point.hz, 2))),
+        bandwidth.or_else(|| Some(tr!("not measurable").to_owned())),
     );
     figures.row(
         tr!("Valid points"),
@@ -233,6 +279,12 @@ fn frequency(found: &FrequencyFindings) -> Figures {
                 why = texts::invalid(why)
             ));
         }
+    }
+    if let Some(first) = valid().find(|point| !point.turn_is_known) {
+        figures.says(tr!(
+            "From {hz} Hz on the turn of the phase is unknown: it may lag by 360° more, or a multiple of that. Choose more points, or a lower first frequency.",
+            hz = number(first.hz, 2)
+        ));
     }
     figures.left_out(found.left_out);
     figures.says(tr!(
@@ -344,11 +396,11 @@ fn silence(found: &SilenceFindings) -> Figures {
 mod tests {
     use motorlink_messages::{
         experiments::{
-            analysis::{BodePoint, Invalid, WhenSilent},
+            analysis::{BodePoint, Invalid, StepFigures, WhenSilent, step_summary},
             runner::Record,
-            study::{Measured, StepStudy, Study},
+            study::{Measured, StepRepeat, StepStudy, Study},
         },
-        protocol::MotorId,
+        protocol::{Acceleration, MotorId},
     };
 
     use super::*;
@@ -369,13 +421,14 @@ mod tests {
             high: 0.023,
             count: 5,
         };
-        assert_eq!(spread(Some(repeats), 1e3, 0, "ms"), "22 ms (21…23)");
+        assert_eq!(spread(Some(repeats), 5, 1e3, 0, "ms"), "22 ms (21…23)");
         let one = Spread {
             count: 1,
             ..repeats
         };
-        assert_eq!(spread(Some(one), 1e3, 0, "ms"), "22 ms");
-        assert_eq!(spread(None, 1e3, 0, "ms"), UNKNOWN);
+        assert_eq!(spread(Some(one), 1, 1e3, 0, "ms"), "22 ms");
+        assert_eq!(spread(Some(one), 5, 1e3, 0, "ms"), "22 ms, n = 1");
+        assert_eq!(spread(None, 1, 1e3, 0, "ms"), UNKNOWN);
     }
 
     #[test]
@@ -395,8 +448,51 @@ mod tests {
         let study = Study::Step(StepStudy::of(MotorId::FIRST));
         let found = study.evaluate(&Record::default(), &Measured::default());
         let figures = Figures::of(&found, "DDSM115");
-        assert_eq!(figures.rows.len(), 6);
+        assert_eq!(figures.rows.len(), 9);
         assert!(figures.rows.iter().all(|row| row.values == [UNKNOWN]));
+    }
+
+    #[test]
+    fn a_step_that_has_not_settled_says_so_beside_its_figures() {
+        let figures = StepFigures {
+            latency_s: Some(0.02),
+            peak: Some(41.0),
+            ..StepFigures::default()
+        };
+        let repeat = StepRepeat {
+            at_s: 1.2,
+            to_s: 2.7,
+            figures,
+            rpm: Vec::new(),
+        };
+        let found = Findings::Step(StepFindings {
+            from_rpm: 0.0,
+            to_rpm: 100.0,
+            groups: vec![StepGroup {
+                acceleration: Acceleration::new(10),
+                repeats: vec![repeat],
+                summary: step_summary(&[figures]),
+            }],
+            left_out: 0,
+        });
+        let figures = Figures::of(&found, "DDSM115");
+        let value = |name: &str| {
+            let mut rows = figures.rows.iter();
+            rows.find(|row| row.name == name)
+                .map(|row| row.values.concat())
+        };
+        assert_eq!(value("Latency").as_deref(), Some("20 ms"));
+        assert_eq!(value("Peak speed").as_deref(), Some("41.0 rpm"));
+        for name in [
+            "Rise time",
+            "Overshoot",
+            "Undershoot",
+            "Settling time",
+            "Steady-state error",
+        ] {
+            assert_eq!(value(name).as_deref(), Some("not settled"));
+        }
+        assert!(figures.meaning[0].starts_with("Not settled within the hold: 1 of 1."));
     }
 
     #[test]
@@ -425,9 +521,13 @@ mod tests {
                 hz: 12.6,
                 gain_db: 0.0,
                 phase_deg: 0.0,
-                coherence: 0.1,
+                turn_is_known: true,
+                r_squared: 0.1,
+                from_s: 0.0,
+                to_s: 6.0,
                 invalid: Some(Invalid::TooSmall),
             }],
+            bandwidth_hz: None,
             left_out: 0,
         });
         let figures = Figures::of(&found, "DDSM115");

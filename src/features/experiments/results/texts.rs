@@ -26,7 +26,7 @@ pub(super) fn axis(name: AxisName) -> String {
         AxisName::Frequency => (tr!("Frequency"), "Hz"),
         AxisName::Gain => (tr!("Gain"), "dB"),
         AxisName::Phase => (tr!("Phase"), "°"),
-        AxisName::Coherence => return tr!("Coherence").to_owned(),
+        AxisName::RSquared => return tr!("R² of the sine").to_owned(),
     };
     format!("{name} ({unit})")
 }
@@ -54,7 +54,7 @@ pub(super) fn invalid(why: Invalid) -> &'static str {
         Invalid::Saturated => tr!("the current was at its limit"),
         Invalid::Clipped => tr!("the setpoint was clipped"),
         Invalid::TooSmall => tr!("the response is smaller than 1 rpm"),
-        Invalid::NotCoherent => tr!("too much noise"),
+        Invalid::Noisy => tr!("too much noise"),
     }
 }
 
