@@ -7,8 +7,8 @@ use bench::{Bench, ONE};
 use motorlink_experiments::{
     chart::{charts, compared_charts, file},
     kept::{
-        Outcome, ReportRun, ReportTexts, RunHeader, record_to_csv, report, run_from_json,
-        run_to_json,
+        Outcome, ReportRun, ReportTexts, RunHeader, figures_to_csv, figures_to_json, record_to_csv,
+        report, run_from_json, run_to_json,
     },
     runner::{Cause, End, Record},
     study::{Measured, StepStudy, Study},
@@ -29,7 +29,7 @@ fn run() -> (Study, RunHeader, Record) {
         name: "Step, \"front left\"".to_owned(),
         study: study.to_json(),
         motors: vec![(ONE, "front left".to_owned())],
-        model: "ddsm115".to_owned(),
+        model: "DDSM115".to_owned(),
         setup: r#"{"rate":50}"#.to_owned(),
         page_version: "0.1.0".to_owned(),
         began_unix_ms: 1_790_000_000_123.0,
@@ -126,6 +126,43 @@ fn the_table_has_a_row_for_each_reply() {
     assert!((95..=105).contains(&fastest.unwrap()));
     let at_speed = rows.iter().filter(|row| row[6] == "100" && row[7] == "rpm");
     assert!(at_speed.count() > 800);
+}
+
+#[test]
+fn figures_as_csv_and_json_have_a_row_for_each_step_with_the_parameters() {
+    let (study, header, record) = run();
+    let found = study.evaluate(&record, &header.measured());
+    let table = figures_to_csv(&header, &study, &found);
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .map(|line| line.split(',').collect())
+        .collect();
+    let cell = |name: &str| {
+        let place = rows[0].iter().position(|head| *head == name).unwrap();
+        rows[1][place]
+    };
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    let cells = [
+        "model",
+        "from_rpm",
+        "to_rpm",
+        "hold_s",
+        "acceleration",
+        "repeat",
+    ]
+    .map(cell);
+    assert_eq!(cells, ["DDSM115", "0", "100", "3", "1", "1"]);
+    assert_eq!((cell("settled"), cell("overshoot")), ("true", "0"));
+    let rise_s: f64 = cell("rise_s").parse().unwrap();
+    assert!((0.2..0.5).contains(&rise_s), "{rise_s}");
+    let json = figures_to_json(&header, &study, &found);
+    for part in [
+        "{\"motorlink_figures\":1,\"model\":\"DDSM115\",".to_owned(),
+        format!("\"study\":{},", study.to_json()),
+        format!("\"rise_s\":{},", cell("rise_s")),
+    ] {
+        assert!(json.contains(&part), "{part} in {json}");
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The Python packages that read our files, in fixed versions, installed once.
+//! The Python packages that read our files and check our figures, in fixed versions, installed once.
 
 use std::{fs, path::PathBuf, process::Command};
 
@@ -36,8 +36,8 @@ const CSV_READERS: Environment = Environment {
 
 /// For the figures of experiments.
 const FIGURES: Environment = Environment {
-    name: "figures-1",
-    packages: &["numpy==2.2.6", "scipy==1.15.3"],
+    name: "figures-2",
+    packages: &["control==0.10.2", "numpy==2.2.6", "scipy==1.15.3"],
 };
 
 const CSV_TESTS: [&str; 3] = ["motorlink-recorder", "--test", "other_readers"];
@@ -56,9 +56,15 @@ pub fn read_csv_files(workspace: &Workspace) -> Result<()> {
     process::run(test.arg("python_and_pandas"))
 }
 
-/// Lets scripts of numpy and scipy compute the figures of experiments from the CSV files of their runs.
+/// Lets numpy, scipy and python-control compute the figures of known systems, and of the CSV files of runs.
 pub fn compute_figures(workspace: &Workspace) -> Result<()> {
-    let test = ["motorlink-experiments", "--test", "independent_intervals"];
+    let test = [
+        "motorlink-experiments",
+        "--test",
+        "independent_intervals",
+        "--test",
+        "figures_in_python",
+    ];
     process::run(&mut ignored_test(workspace, &test, &FIGURES)?)
 }
 
@@ -101,7 +107,7 @@ fn ensure(Environment { name, packages }: &Environment) -> Result<PathBuf> {
     }
     if process::output_of("python3", &["--version"]).is_none() {
         bail!(
-            "python3 is missing: install Python 3.9 or newer (Debian: apt-get install python3-venv)"
+            "python3 is missing: install Python 3.10 or newer (Debian: apt-get install python3-venv)"
         );
     }
     println!(

@@ -52,7 +52,7 @@ pub static SUITE: Suite = Suite(&[
     },
     Step {
         name: "figures-in-python",
-        about: "numpy and scipy compute the figures of experiments from the exported CSV files",
+        about: "Python computes the figures of known systems, and those of experiments from the exported CSV files",
         needs: &[],
         on_request: false,
         run: python::compute_figures,

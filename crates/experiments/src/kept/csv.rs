@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use motorlink_protocol::{Instant, MotorId, Setpoint};
+use motorlink_protocol::{Instant, Setpoint};
 
-use crate::runner::Record;
+use crate::runner::{Record, SentSetpoint};
 
 /// The columns. `docs/experiments.md` explains them.
 const HEAD: &str =
-    "time,motor,speed_rpm,current_a,angle_deg,temperature_c,setpoint,setpoint_unit,step\n";
+    "time,motor,speed_rpm,current_a,angle_deg,temperature_c,setpoint,setpoint_unit,step,sent\n";
 
 /// The table. A cell is empty if the reply does not have the value, or if nothing was sent yet.
 #[must_use]
@@ -18,12 +18,12 @@ pub fn record_to_csv(record: &Record) -> String {
     let seconds = |at: Instant| began.map_or(0.0, |began| at.since(began).as_secs_f64());
     let mut sent = record.sent_setpoints().iter().peekable();
     let mut marks = record.marks().iter().peekable();
-    let mut last: Vec<(MotorId, Setpoint)> = Vec::new();
+    let mut last: Vec<SentSetpoint> = Vec::new();
     let mut step = None;
     for sample in record.samples() {
         while let Some(next) = sent.next_if(|next| next.at <= sample.at) {
-            last.retain(|(id, _)| *id != next.id);
-            last.push((next.id, next.setpoint));
+            last.retain(|other| other.id != next.id);
+            last.push(*next);
         }
         while let Some(mark) = marks.next_if(|mark| mark.at <= sample.at) {
             step = Some(mark.step);
@@ -45,10 +45,11 @@ pub fn record_to_csv(record: &Record) -> String {
         if let Some(celsius) = sample.celsius {
             let _ = write!(out, "{celsius}");
         }
-        let setpoint = last.iter().find(|(id, _)| *id == sample.id);
-        let (value, unit) = setpoint.map_or_else(Default::default, |(_, it)| shown(*it));
+        let sent = last.iter().find(|sent| sent.id == sample.id);
+        let (value, unit) = sent.map_or_else(Default::default, |sent| shown(sent.setpoint));
+        let sent = sent.map_or_else(String::new, |sent| format!("{:.6}", seconds(sent.at)));
         let step = step.map_or_else(String::new, |step: usize| step.to_string());
-        let _ = writeln!(out, ",{value},{unit},{step}");
+        let _ = writeln!(out, ",{value},{unit},{step},{sent}");
     }
     out
 }

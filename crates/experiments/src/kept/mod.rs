@@ -3,16 +3,19 @@
 //! | module | idea |
 //! |---|---|
 //! | `csv` | the record as a table |
+//! | `figures` | the figures of a run as a table |
 //! | `json` | the whole run as a file, and back |
 //! | `report` | several runs as one HTML file |
 
 mod csv;
+mod figures;
 mod json;
 mod report;
 mod setpoint;
 
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 
+pub use figures::{figures_to_csv, figures_to_json, has_figures};
 pub use json::{JsonError, run_from_json, run_to_json};
 pub use report::{ReportRun, ReportTexts, report};
 
@@ -75,10 +78,8 @@ impl RunHeader {
     /// How it was measured.
     #[must_use]
     pub fn measured(&self) -> Measured {
-        Measured {
-            request_hz: self.request_hz,
-            ..Measured::default()
-        }
+        let model = self.model.parse().unwrap_or(Model::Ddsm115);
+        Measured::of(model, self.request_hz)
     }
 
     /// An empty record of this run, for its parts.

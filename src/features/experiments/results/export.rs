@@ -5,7 +5,9 @@ use leptos::prelude::*;
 use motorlink_i18n::{current_language, tr};
 use motorlink_messages::experiments::{
     chart::{Chart, file},
-    kept::{ReportRun, ReportTexts, record_to_csv, report, run_to_json},
+    kept::{
+        ReportRun, ReportTexts, figures_to_csv, figures_to_json, record_to_csv, report, run_to_json,
+    },
 };
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{
@@ -28,10 +30,19 @@ pub(super) enum Format {
     Json,
     Png,
     Report,
+    FiguresCsv,
+    FiguresJson,
 }
 
 impl Format {
-    pub(super) const ALL: [Self; 4] = [Self::Report, Self::Csv, Self::Json, Self::Png];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Report,
+        Self::Csv,
+        Self::Json,
+        Self::FiguresCsv,
+        Self::FiguresJson,
+        Self::Png,
+    ];
 
     pub(super) const fn key(self) -> &'static str {
         match self {
@@ -39,7 +50,14 @@ impl Format {
             Self::Json => "json",
             Self::Png => "png",
             Self::Report => "html",
+            Self::FiguresCsv => "figures.csv",
+            Self::FiguresJson => "figures.json",
         }
+    }
+
+    /// Whether only studies with a table of figures have this file.
+    pub(super) const fn is_of_figures(self) -> bool {
+        matches!(self, Self::FiguresCsv | Self::FiguresJson)
     }
 
     pub(super) fn name(self) -> &'static str {
@@ -48,8 +66,19 @@ impl Format {
             Self::Json => tr!("Whole run (JSON)"),
             Self::Png => tr!("Chart (PNG)"),
             Self::Report => tr!("Report (HTML)"),
+            Self::FiguresCsv => tr!("Figures (CSV)"),
+            Self::FiguresJson => tr!("Figures (JSON)"),
         }
     }
+}
+
+fn figures(kept: KeptRuns, number: u32, format: Format) -> Option<String> {
+    let header = kept.header(number)?;
+    let (study, findings) = (header.study()?, kept.findings(number)?);
+    Some(match format {
+        Format::FiguresCsv => figures_to_csv(&header, &study, &findings),
+        _ => figures_to_json(&header, &study, &findings),
+    })
 }
 
 /// Saves these runs. CSV and JSON are a file for each run.
@@ -66,6 +95,13 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
                     _ => run_to_json(&header, record),
                 });
                 if let Some(text) = text {
+                    save_text(&text, &format!("motorlink-run-{number}.{end}"));
+                }
+            }
+        }
+        Format::FiguresCsv | Format::FiguresJson => {
+            for number in runs {
+                if let Some(text) = figures(kept, *number, format) {
                     save_text(&text, &format!("motorlink-run-{number}.{end}"));
                 }
             }

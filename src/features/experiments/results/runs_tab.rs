@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     chart::RUNS_MAX,
-    kept::{Outcome, RunHeader},
+    kept::{Outcome, RunHeader, has_figures},
     sequence::NAME_MAX,
 };
 
@@ -63,7 +63,21 @@ impl Choice {
         if marked.len() > RUNS_MAX {
             return Some(tr!("Mark at most eight runs.").to_owned());
         }
-        self.none_marked().or_else(reading)
+        let has_none = || {
+            let has = |number: &u32| {
+                let study = self.kept.header(*number)?.study()?;
+                has_figures(&study).then_some(())
+            };
+            let is_missing = self.chosen_format().is_some_and(Format::is_of_figures)
+                && marked.iter().any(|number| has(number).is_none());
+            is_missing.then(|| tr!("Only step and frequency responses have this table.").to_owned())
+        };
+        self.none_marked().or_else(reading).or_else(has_none)
+    }
+
+    fn chosen_format(self) -> Option<Format> {
+        let key = self.format.get();
+        Format::ALL.into_iter().find(|format| format.key() == key)
     }
 
     fn mark(self, number: u32, is_marked: bool) {
@@ -86,10 +100,8 @@ impl Choice {
     }
 
     fn export(self) {
-        let key = self.format.get_untracked();
-        let format = Format::ALL.into_iter().find(|format| format.key() == key);
         let marked = self.marked.get_untracked();
-        if let Some(format) = format {
+        if let Some(format) = untrack(|| self.chosen_format()) {
             untrack(|| export(self.kept, &marked, format));
         }
     }

@@ -1,0 +1,195 @@
+//! The figures of a run as a table: one row per step, or per point of a Bode plot, with all parameters.
+
+use nojson::{DisplayJson, JsonFormatter, json};
+
+use super::RunHeader;
+use crate::{
+    analysis::Invalid,
+    study::{Findings, FrequencyFindings, StepFindings, Study},
+};
+
+/// Figures are rounded to this part of their unit.
+const DIGITS: f64 = 1e6;
+
+/// A cell of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cell {
+    Number(Option<f64>),
+    Flag(bool),
+    Text(&'static str),
+}
+
+/// A row: cells with the names of their columns.
+type Row = Vec<(&'static str, Cell)>;
+
+/// Whether a run of this study has a table of figures.
+#[must_use]
+pub const fn has_figures(study: &Study) -> bool {
+    matches!(study, Study::Step(_) | Study::Frequency(_))
+}
+
+/// The table as CSV. Every row repeats the parameters, so that tables of several runs can be joined.
+#[must_use]
+pub fn figures_to_csv(header: &RunHeader, study: &Study, findings: &Findings) -> String {
+    let parameters = parameters(header, study);
+    let rows: Vec<Row> = rows(findings)
+        .into_iter()
+        .map(|row| parameters.iter().copied().chain(row).collect())
+        .collect();
+    let Some(first) = rows.first() else {
+        return String::new();
+    };
+    let head: Vec<&str> = first.iter().map(|(name, _)| *name).collect();
+    let mut lines = vec![format!("model,{}", head.join(","))];
+    lines.extend(rows.iter().map(|row| {
+        let cells: Vec<String> = row.iter().map(|(_, cell)| cell.text()).collect();
+        format!("{},{}", header.model, cells.join(","))
+    }));
+    lines.join("\n") + "\n"
+}
+
+/// The table as JSON, with the study as [`Study::to_json`] writes it.
+#[must_use]
+pub fn figures_to_json(header: &RunHeader, study: &Study, findings: &Findings) -> String {
+    let text = json(|f| {
+        f.object(|f| {
+            f.member("motorlink_figures", 1)?;
+            f.member("model", &header.model)?;
+            for (name, cell) in parameters(header, study) {
+                f.member(name, cell)?;
+            }
+            f.member("study", study)?;
+            f.member(
+                "figures",
+                rows(findings).into_iter().map(Object).collect::<Vec<_>>(),
+            )
+        })
+    });
+    format!("{text}\n")
+}
+
+fn parameters(header: &RunHeader, study: &Study) -> Row {
+    let whole = |value: f64| Cell::Number(Some(value));
+    let mut row = vec![
+        ("run", whole(header.number.into())),
+        ("began_unix_ms", whole(header.began_unix_ms)),
+        ("request_hz", whole(header.request_hz)),
+        (
+            "motor",
+            Cell::Number(study.motor().map(|id| id.get().into())),
+        ),
+    ];
+    let mut study = study.clone();
+    let parameters = study.parameters();
+    row.extend(parameters.iter().map(|one| (one.name, whole(one.value()))));
+    row
+}
+
+fn rows(findings: &Findings) -> Vec<Row> {
+    match findings {
+        Findings::Step(found) => steps(found),
+        Findings::Frequency(found) => points(found),
+        _ => Vec::new(),
+    }
+}
+
+fn steps(found: &StepFindings) -> Vec<Row> {
+    let groups = found.groups.iter();
+    let repeats = groups.flat_map(|group| {
+        let repeats = group.repeats.iter().enumerate();
+        repeats.map(|(place, repeat)| {
+            let figures = repeat.figures;
+            let place = u32::try_from(place).map_or(f64::NAN, f64::from);
+            let acceleration = f64::from(group.acceleration.byte());
+            vec![
+                ("acceleration", Cell::Number(Some(acceleration))),
+                ("repeat", Cell::Number(Some(place + 1.0))),
+                ("at_s", Cell::Number(Some(repeat.at_s))),
+                ("to_s", Cell::Number(Some(repeat.to_s))),
+                ("settled", Cell::Flag(figures.settled)),
+                ("latency_s", Cell::Number(figures.latency_s)),
+                ("rise_s", Cell::Number(figures.rise_s)),
+                ("overshoot", Cell::Number(figures.overshoot)),
+                ("undershoot", Cell::Number(figures.wrong_way)),
+                ("settling_s", Cell::Number(figures.settling_s)),
+                ("steady_error_rpm", Cell::Number(figures.steady_error)),
+                ("peak_rpm", Cell::Number(figures.peak)),
+                ("peak_s", Cell::Number(figures.peak_s)),
+                ("peak_a", Cell::Number(figures.peak_amps)),
+            ]
+        })
+    });
+    repeats.collect()
+}
+
+fn points(found: &FrequencyFindings) -> Vec<Row> {
+    let points = found.points.iter().map(|point| {
+        vec![
+            ("bandwidth_hz", Cell::Number(found.bandwidth_hz)),
+            ("hz", Cell::Number(Some(point.hz))),
+            ("from_s", Cell::Number(Some(point.from_s))),
+            ("to_s", Cell::Number(Some(point.to_s))),
+            ("valid", Cell::Flag(point.invalid.is_none())),
+            ("why", Cell::Text(point.invalid.map_or("", why))),
+            ("gain_db", Cell::Number(Some(point.gain_db))),
+            ("phase_deg", Cell::Number(Some(point.phase_deg))),
+            ("turn_is_known", Cell::Flag(point.turn_is_known)),
+            ("r_squared", Cell::Number(Some(point.r_squared))),
+        ]
+    });
+    points.collect()
+}
+
+const fn why(invalid: Invalid) -> &'static str {
+    match invalid {
+        Invalid::TooShort => "too_short",
+        Invalid::RepliesLost => "replies_lost",
+        Invalid::Saturated => "saturated",
+        Invalid::Clipped => "clipped",
+        Invalid::TooSmall => "too_small",
+        Invalid::Noisy => "noisy",
+    }
+}
+
+impl Cell {
+    /// A number that a file can hold.
+    fn number(value: Option<f64>) -> Option<f64> {
+        let value = value.filter(|value| value.is_finite())?;
+        // No negative zero.
+        Some((value * DIGITS).round() / DIGITS + 0.0)
+    }
+
+    /// Empty for what is unknown.
+    fn text(self) -> String {
+        match self {
+            Self::Number(value) => {
+                Self::number(value).map_or_else(String::new, |it| it.to_string())
+            }
+            Self::Flag(flag) => flag.to_string(),
+            Self::Text(text) => text.to_owned(),
+        }
+    }
+}
+
+impl DisplayJson for Cell {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        match self {
+            Self::Number(value) => f.value(Self::number(*value)),
+            Self::Flag(flag) => f.value(flag),
+            Self::Text(text) => f.value(text),
+        }
+    }
+}
+
+struct Object(Row);
+
+impl DisplayJson for Object {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        f.object(|f| {
+            for (name, cell) in &self.0 {
+                f.member(*name, cell)?;
+            }
+            Ok(())
+        })
+    }
+}
