@@ -97,7 +97,25 @@ fn one_of_four_that_falls_silent_costs_the_others_no_frame() {
         assert!(frames.len() >= 1_485, "{} to {address}", frames.len());
         assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
     }
-    // The bus queries it more and more rarely, and notices when it is back.
+    // Its wheel may turn, so the bus looks for it once a second.
+    fixture.forget_the_past();
+    fixture.run(ms(16_000));
+    assert!((15..=17).contains(&queries(&fixture, id(4))));
+    fixture.world.motor_mut(id(4)).unwrap().power(true);
+    fixture.run_until(ms(1_200), |fixture| {
+        fixture.happened(|event| *event == Event::MotorBack(id(4)))
+    });
+}
+
+/// The bus queries it more and more rarely, and notices when it is back.
+#[test]
+fn one_that_was_never_driven_is_looked_for_rarely_while_others_are() {
+    let mut fixture = watching(&[1, 2, 3, 4]);
+    for address in 1..=3 {
+        drive(&mut fixture, id(address));
+    }
+    fixture.world.motor_mut(id(4)).unwrap().power(false);
+    fixture.run(ms(30_000));
     fixture.forget_the_past();
     fixture.run(ms(16_000));
     assert!((1..=3).contains(&queries(&fixture, id(4))));
