@@ -209,7 +209,7 @@ mod tests {
     fn vehicle(count: u8) -> Vehicle {
         let wheel = |number: u8| Wheel {
             id: MotorId::new(number).unwrap(),
-            is_right: number % 2 == 0,
+            is_right: number.is_multiple_of(2),
             name: String::new(),
         };
         Vehicle::new((1..=count).map(wheel).collect()).unwrap()

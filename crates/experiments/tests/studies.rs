@@ -402,10 +402,6 @@ fn a_paused_study_does_not_take_the_pause_for_what_it_measures() {
     assert!(found.points.is_empty());
 }
 
-/// 6.1 ohm over 0.75 N.m/A and 0.86 V s, and 18 V over 0.86 V s (`crates/simulator/src/figures.rs`).
-const DROOP_RPM_PER_NM: f64 = 90.31;
-const NO_LOAD_RPM: f64 = 199.87;
-
 fn torque_and_speed(seed: u64, brake_nm: f32, course: fn(f32) -> f32) -> TorqueSpeedFindings {
     let mut bench = Bench::new(seed, MotorConfig::default());
     // A person leaves the wheel free for 5 s after the rise of 3 s, and then brakes.
