@@ -102,7 +102,7 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
     let start = Point::new(run.at_s, run.from);
     let response: Vec<Point> = [start].iter().chain(run.response).copied().collect();
     let known = changes(&response);
-    let steady = steady_value(run, &known);
+    let steady = steady_value(start, run.response, &known, run.resolution);
     let way = steady.map_or(step, |steady| steady - run.from);
     let parts = |points: &[Point], scale: f64| -> Vec<Point> {
         let part = |point: &Point| Point::new(point.t_s, (point.value - run.from) / scale);
