@@ -58,8 +58,8 @@ pub enum FromRun {
     },
     /// The armed run was not started. It stays armed.
     NotStarted(StartRefusal),
-    /// New entries of the record, ten times a second while it runs, and the rest of them before the state that says
-    /// that it has ended.
+    /// New entries of the record, ten times a second while it runs: after the first state with a start, and the rest of
+    /// them before the state that says that it has ended.
     Part {
         /// Which run.
         run: u32,

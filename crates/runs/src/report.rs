@@ -48,7 +48,23 @@ impl Report {
         if state == self.told && !is_due {
             return;
         }
-        if is_due || matches!(phase, Phase::Ended(_)) {
+        let has_ended = matches!(phase, Phase::Ended(_));
+        let shown = FromRun::State(RunState {
+            run: self.run,
+            now,
+            phase,
+            began: runner.record().began_at(),
+            passed: self.passed,
+            step: self.step,
+        });
+        // The page opens the record at the first state with a start, and closes it at the end: parts are in between.
+        let (before, after) = if has_ended {
+            (None, Some(shown))
+        } else {
+            (Some(shown), None)
+        };
+        messages.extend(before);
+        if is_due || has_ended {
             let part = runner.take_part();
             if part != RecordPart::default() {
                 let run = self.run;
@@ -56,14 +72,7 @@ impl Report {
             }
             self.told_at = now;
         }
-        messages.push(FromRun::State(RunState {
-            run: self.run,
-            now,
-            phase,
-            began: runner.record().began_at(),
-            passed: self.passed,
-            step: self.step,
-        }));
+        messages.extend(after);
         self.told = state;
     }
 }

@@ -94,6 +94,21 @@ fn at_200_hz_each_setpoint_is_on_the_wire_at_its_time_for_60_s() {
 }
 
 #[test]
+fn the_record_has_every_step_from_the_first_one_on() {
+    let steps = r#"{ "rpm": 30, "for_s": 0.3 }, { "rpm": 50, "for_s": 0.3 }"#;
+    let mut bench = Bench::armed(Model::Ddsm115, 1, steps, Options::default());
+    bench.start();
+    bench.run(ms(1_500));
+    let marks = bench.record().marks;
+    let began = began(&bench);
+    let starts: Vec<_> = marks
+        .iter()
+        .map(|it| (it.at.since(began), it.step))
+        .collect();
+    assert_eq!(starts, [(ms(0), 0), (ms(300), 1)]);
+}
+
+#[test]
 fn a_step_between_two_ticks_is_sent_at_its_own_time() {
     let steps = r#"{ "rpm": 30, "for_s": 0.523 }, { "rpm": 50, "for_s": 0.3 }"#;
     let options = Options {

@@ -258,10 +258,13 @@ impl Bench {
         }
     }
 
-    /// The record, as the page puts it together.
+    /// The record, as the page puts it together: it begins at the first state with a start.
     pub fn record(&self) -> RecordPart {
         let mut record = RecordPart::default();
-        for message in &self.messages {
+        let has_begun =
+            |message: &&FromRun| matches!(message, FromRun::State(state) if state.began.is_some());
+        let of_run = self.messages.iter().skip_while(|it| !has_begun(it));
+        for message in of_run {
             if let FromRun::Part { part, .. } = message {
                 record.samples.extend(part.samples.iter().copied());
                 record.sent.extend(part.sent.iter().copied());
