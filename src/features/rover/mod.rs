@@ -2,6 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `angle_judge` | whether the angle of a wheel follows its speed |
 //! | `wheel_track` | how far a wheel has rolled, from its replies |
 //! | `odometry` | the motion of the vehicle, from its wheels |
 //! | `path` | the path driven, with a bounded number of points |
@@ -15,6 +16,7 @@
 //! Which motors are the wheels is in [`crate::model::vehicle`], their kinematics in
 //! [`motorlink_messages::experiments::vehicle`].
 
+pub(crate) mod angle_judge;
 pub(crate) mod arrow;
 pub(crate) mod geometry;
 pub(crate) mod geometry_fields;

@@ -92,6 +92,12 @@ impl Odometer {
         self.wheels.get(place)?.track.newest_us()
     }
 
+    /// The place of the first wheel whose angle does not follow its speed, if there is one.
+    pub(crate) fn misfit(&self) -> Option<usize> {
+        let mut wheels = self.wheels.iter();
+        wheels.position(|wheel| wheel.track.angle_misfits())
+    }
+
     /// Takes a reply of a wheel, by its place in the vehicle.
     pub(crate) fn report(&mut self, place: usize, report: Report) {
         if let Some(wheel) = self.wheels.get_mut(place) {

@@ -77,6 +77,26 @@ fn straight_ahead_is_the_circumference_for_each_turn() {
     );
 }
 
+/// Ten seconds at 100 rpm with random angles.
+#[test]
+fn a_vehicle_whose_angles_are_random_goes_by_its_speeds() {
+    let mut odometer = odometer(2);
+    let mut seed = 1_u32;
+    for (place, sign) in [(0, 1.0), (1, -1.0)] {
+        for report in reports(sign * 100.0, 0, 10_000 * MS, 20 * MS) {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let angle = f64::from(seed) / f64::from(u32::MAX) * 360.0;
+            let angle = Some((angle, 0.0));
+            odometer.report(place, Report { angle, ..report });
+        }
+    }
+    odometer.advance_from_zero();
+    let driven = odometer.driven_mm();
+    assert!((driven / 5_236.0 - 1.0).abs() < 0.02, "{driven} mm");
+    assert_eq!(odometer.misfit(), Some(0));
+    assert_eq!(drive(100.0, 100.0, 10_000 * MS).misfit(), None);
+}
+
 #[test]
 fn wheels_against_each_other_turn_on_the_spot_clockwise_where_the_left_goes_ahead() {
     // Each wheel rolls a quarter of the circle with the track as its diameter.

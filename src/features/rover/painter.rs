@@ -153,19 +153,20 @@ impl Painter {
         self.commanded.set(arrow_commanded);
         self.paint_ground(trip);
         let (pose, path) = (trip.pose(), trip.path());
-        let figures = Figures::new(measured, trip.driven_mm(), pose.heading_deg, path.gaps());
+        let figures = Figures::new(measured, trip.driven_mm(), pose.heading_deg)
+            .with_path(path.gaps(), trip.misfit());
         self.description.set(&figures.description());
         let Figures {
             forward,
             turn,
             driven,
             heading,
-            gaps,
+            path_notes,
         } = figures;
         for (words, text) in self
             .figures
             .iter_mut()
-            .zip([forward, turn, driven, heading, gaps])
+            .zip([forward, turn, driven, heading, path_notes])
         {
             words.set(&text);
         }

@@ -1,7 +1,7 @@
 //! The motion and the path of the vehicle as text.
 
 use motorlink_i18n::{terms::in_language, tr};
-use motorlink_messages::experiments::vehicle::Motion;
+use motorlink_messages::{experiments::vehicle::Motion, protocol::MotorId};
 
 use crate::ui::{format::UNKNOWN, mathematics::modulo};
 
@@ -12,12 +12,13 @@ pub(crate) struct Figures {
     pub(crate) turn: String,
     pub(crate) driven: String,
     pub(crate) heading: String,
-    pub(crate) gaps: String,
+    /// Gaps of the path, and a wheel whose angle does not count.
+    pub(crate) path_notes: String,
 }
 
 impl Figures {
     /// `motion` is `None` while a side is unknown.
-    pub(crate) fn new(motion: Option<Motion>, driven_mm: f64, heading_deg: f64, gaps: u32) -> Self {
+    pub(crate) fn new(motion: Option<Motion>, driven_mm: f64, heading_deg: f64) -> Self {
         let speed = |motion: Motion| signed(motion.forward_mm_per_s / 1e3, 2, "m/s");
         let turn = |motion: Motion| signed(motion.turn_deg_per_s, 0, "°/s");
         // 359.6 is 0, not 360, and -0.4 is 0, not -0.
@@ -27,11 +28,26 @@ impl Figures {
             turn: motion.map_or_else(|| format!("{UNKNOWN} °/s"), turn),
             driven: in_language(format!("{:.2} m", driven_mm / 1e3)),
             heading: format!("{heading:.0}°"),
-            gaps: match gaps {
-                0 => String::new(),
-                1 => tr!("1 gap").to_owned(),
-                gaps => tr!("{gaps} gaps", gaps),
-            },
+            path_notes: String::new(),
+        }
+    }
+
+    pub(crate) fn with_path(self, gaps: u32, misfit: Option<MotorId>) -> Self {
+        let gaps = match gaps {
+            0 => None,
+            1 => Some(tr!("1 gap").to_owned()),
+            gaps => Some(tr!("{gaps} gaps", gaps)),
+        };
+        let by_speed = |id| {
+            tr!(
+                "Path by speed: the angle of motor {id} does not follow its speed",
+                id
+            )
+        };
+        let notes: Vec<String> = gaps.into_iter().chain(misfit.map(by_speed)).collect();
+        Self {
+            path_notes: notes.join(". "),
+            ..self
         }
     }
 
@@ -42,7 +58,7 @@ impl Figures {
             turn,
             driven,
             heading,
-            gaps,
+            path_notes,
         } = self;
         let said = tr!(
             "Forward {forward}, turn {turn}. Driven {driven}, heading {heading}.",
@@ -51,10 +67,10 @@ impl Figures {
             driven,
             heading
         );
-        if gaps.is_empty() {
+        if path_notes.is_empty() {
             said
         } else {
-            format!("{said} {gaps}.")
+            format!("{said} {path_notes}.")
         }
     }
 }
@@ -81,20 +97,21 @@ mod tests {
             forward_mm_per_s: 533.8,
             turn_deg_per_s: -38.4,
         };
-        let figures = Figures::new(Some(motion), 3_421.0, 377.6, 0);
+        let figures = Figures::new(Some(motion), 3_421.0, 377.6);
         assert_eq!(
             figures.description(),
             "Forward +0.53 m/s, turn \u{2212}38 °/s. Driven 3.42 m, heading 18°."
         );
-        let still = Figures::new(Some(Motion::default()), 0.0, -0.4, 1);
+        let still = Figures::new(Some(Motion::default()), 0.0, -0.4).with_path(1, None);
         assert_eq!(
             still.description(),
             "Forward 0.00 m/s, turn 0 °/s. Driven 0.00 m, heading 0°. 1 gap."
         );
-        let unknown = Figures::new(None, 0.0, 359.6, 3);
+        let unknown = Figures::new(None, 0.0, 359.6).with_path(3, Some(MotorId::FIRST));
         assert_eq!(
             unknown.description(),
-            "Forward – m/s, turn – °/s. Driven 0.00 m, heading 0°. 3 gaps."
+            "Forward – m/s, turn – °/s. Driven 0.00 m, heading 0°. 3 gaps. \
+             Path by speed: the angle of motor 0x01 does not follow its speed."
         );
     }
 }

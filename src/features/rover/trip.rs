@@ -5,7 +5,7 @@
 
 use motorlink_messages::{
     experiments::vehicle::{Geometry, Vehicle},
-    protocol::Instant,
+    protocol::{Instant, MotorId},
 };
 
 use crate::{
@@ -89,6 +89,13 @@ impl Trip {
     /// In mm.
     pub(crate) fn driven_mm(&self) -> f64 {
         self.odometer.as_ref().map_or(0.0, Odometer::driven_mm)
+    }
+
+    /// A wheel whose angle does not follow its speed, so that its speed counts.
+    pub(crate) fn misfit(&self) -> Option<MotorId> {
+        let (vehicle, _) = self.of.as_ref()?;
+        let place = self.odometer.as_ref()?.misfit()?;
+        vehicle.wheels().get(place).map(|wheel| wheel.id)
     }
 
     pub(crate) const fn path(&self) -> &Path {

@@ -1,11 +1,15 @@
 //! How far a wheel has rolled, from its replies.
 //!
-//! Between two replies the angle tells the way exactly, as long as the speeds tell the number of turns. Over a gap the
-//! reported speeds bridge it. Over a longer gap nothing is known, and nothing is assumed.
+//! Between two replies the angle tells the way exactly, as long as the speeds tell the number of turns. Over a gap, and
+//! while the angle does not follow the speed, the reported speeds tell it. Over a longer gap nothing is known, and
+//! nothing is assumed.
 
 use std::collections::VecDeque;
 
-use crate::ui::mathematics::{limited, modulo};
+use crate::{
+    features::rover::angle_judge::{AngleJudge, Verdict},
+    ui::mathematics::{limited, modulo},
+};
 
 /// From so long a time between two replies on, the speeds bridge it: the angle no longer tells the turn where the
 /// speed deviates by 100 rpm for 0.3 s.
@@ -18,7 +22,7 @@ pub(crate) const GAP_OVER_US: u64 = 1_000_000;
 pub(crate) enum Link {
     /// Not at all.
     Unknown,
-    /// By the speeds before and after a gap.
+    /// By the speeds: before and after a gap, or while the angle does not follow them.
     Bridged,
     /// By the replies.
     Known,
@@ -52,12 +56,20 @@ pub(crate) struct WheelTrack {
     turns: f64,
     /// From the way to the reported angle, in turns.
     offset: f64,
+    judge: AngleJudge,
+    /// By how much the way has exceeded the way by speed since the last verdict on the angle, in turns.
+    by_angle: f64,
 }
 
 impl WheelTrack {
     /// When the last reply was read.
     pub(crate) fn newest_us(&self) -> Option<u64> {
         self.last.map(|last| last.at_us)
+    }
+
+    /// Whether the angle was found not to follow the speed.
+    pub(crate) const fn angle_misfits(&self) -> bool {
+        self.judge.misfits()
     }
 
     /// Takes a reply. One that is not newer than the last is skipped.
@@ -74,22 +86,39 @@ impl WheelTrack {
             _ => Link::Unknown,
         };
         let rpm_before = self.last.map_or(report.rpm, |last| last.rpm);
-        let expected = self.turns + turned(f64::midpoint(rpm_before, report.rpm), since_us);
+        let moved = turned(f64::midpoint(rpm_before, report.rpm), since_us);
+        let expected = self.turns + moved;
         let angle = report
             .angle
             .map(|(degrees, step)| (-degrees / 360.0, step / 360.0));
+        let mut link = link;
         match (link, angle) {
             (Link::Unknown, _) => {}
             (Link::Known, Some((angle, step))) => {
-                let off = modulo(angle - self.offset - expected + 0.5, 1.0) - 0.5;
-                // A coarse angle only bounds the way.
-                let nearest = expected + off;
-                self.turns = limited(expected, nearest - step, nearest + step);
+                let verdict = self.judge.angle(angle, step, moved, since_us);
+                if self.judge.misfits() {
+                    // Until the verdict the way followed the angle.
+                    self.turns = expected - self.by_angle;
+                    self.offset = angle - self.turns;
+                    link = Link::Bridged;
+                } else {
+                    let off = modulo(angle - self.offset - expected + 0.5, 1.0) - 0.5;
+                    // A coarse angle only bounds the way.
+                    let nearest = expected + off;
+                    self.turns = limited(expected, nearest - step, nearest + step);
+                    self.by_angle += self.turns - expected;
+                }
+                if verdict != Verdict::Open {
+                    self.by_angle = 0.0;
+                }
             }
             (Link::Known, None) | (Link::Bridged, _) => self.turns = expected,
         }
-        if let (Link::Unknown | Link::Bridged, Some((angle, _))) = (link, angle) {
-            self.offset = angle - self.turns;
+        if since_us > BRIDGED_OVER_US || report.is_cut_off {
+            self.judge.gap();
+            if let Some((angle, _)) = angle {
+                self.offset = angle - self.turns;
+            }
         }
         self.knots.push_back(Knot {
             at_us: report.at_us,

@@ -119,3 +119,56 @@ fn what_was_counted_is_forgotten_and_the_rest_stays() {
     assert_eq!(track.knots.len(), 2);
     assert_way(&track, 1_990 * MS, 2_000 * MS, 1.0 / 60.0, Link::Known);
 }
+
+/// The replies of ten seconds at 100 rpm, with these angles.
+fn at_100_rpm(every_us: u64, mut angle: impl FnMut() -> f64) -> WheelTrack {
+    let times = (0..=10_000 * MS).step_by(usize::try_from(every_us).unwrap());
+    track(times.map(|at_us| fine(at_us, angle(), 100.0)))
+}
+
+/// `DDTRobot/motor-driver-examples#1`: a motor whose angle stays.
+#[test]
+fn an_angle_that_stays_or_jumps_leaves_the_way_to_the_speed() {
+    for every_us in [5 * MS, 20 * MS, 100 * MS] {
+        let mut seed = 7_u32;
+        let noise = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed) / f64::from(u32::MAX) * 360.0
+        };
+        let tracks = [at_100_rpm(every_us, || 41.1), at_100_rpm(every_us, noise)];
+        for track in tracks {
+            let (way, link) = track.turns_between(0, 10_000 * MS).unwrap();
+            assert!((way / (1_000.0 / 60.0) - 1.0).abs() < 0.02, "{way} turns");
+            assert_eq!(link, Link::Bridged);
+            assert!(track.angle_misfits());
+        }
+    }
+}
+
+#[test]
+fn an_angle_that_follows_again_for_a_turn_tells_the_way_again() {
+    let angle = |n: u32| -12.06 * f64::from(n);
+    let stays = (0..100_u32).map(|n| fine(u64::from(n) * 20 * MS, 30.0, 100.0));
+    let follows = (100..=200_u32).map(|n| fine(u64::from(n) * 20 * MS, angle(n), 100.0));
+    let track = track(stays.chain(follows));
+    assert!(!track.angle_misfits());
+    assert_way(&track, 3_000 * MS, 4_000 * MS, 1.675, Link::Known);
+}
+
+/// A wheel to 200 rpm and back within 0.2 s each, whose reported speed lags by 30 ms.
+#[test]
+fn a_speed_that_lags_does_not_make_the_angle_misfit() {
+    let (mut rpm, mut lagging, mut degrees) = (0.0_f64, 0.0, 0.0_f64);
+    let mut track = WheelTrack::default();
+    track.report(fine(0, degrees, 0.0));
+    for n in 1..2_000_u64 {
+        let to = if n % 200 < 100 { 200.0 } else { -200.0 };
+        rpm = limited(to, rpm - 5.0, rpm + 5.0);
+        lagging += (rpm - lagging) * 5.0 / 30.0;
+        degrees -= rpm * 6.0 * 0.005;
+        track.report(fine(n * 5 * MS, degrees, lagging.round()));
+        assert!(!track.angle_misfits(), "{} ms", n * 5);
+    }
+    let (way, _) = track.turns_between(0, 1_999 * 5 * MS).unwrap();
+    assert!((way + degrees / 360.0).abs() < 1e-6, "{way}");
+}
