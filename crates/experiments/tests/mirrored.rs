@@ -28,7 +28,8 @@ fn one_step_turns_both_wheels_of_a_vehicle_forward() {
         mode: Mode::Velocity,
         rpm: Some(rpm),
         current: Some(Current::from_amps(amps)),
-        degrees: None,
+        // It falls at positive speed.
+        degrees: Some(if rpm < 0 { 60.0 } else { 300.0 }),
         celsius: None,
         faults: Faults::NONE,
     };
@@ -62,9 +63,42 @@ fn one_step_turns_both_wheels_of_a_vehicle_forward() {
             .iter()
             .all(|sample| sample.current == Some(amps))
     );
+    assert!(
+        record
+            .samples()
+            .iter()
+            .all(|sample| sample.degrees == Some(300.0))
+    );
     let of_both = [ONE, two()].map(|id| {
         let mut sent = record.sent_setpoints().iter().rev();
         rpm(&sent.find(|sent| sent.id == id).unwrap().setpoint)
     });
     assert_eq!(of_both, [100, 100]);
+}
+
+#[test]
+fn a_position_run_has_the_motors_own_signs() {
+    let text = r#"{ "motorlink_sequence": 1, "steps": [{ "degrees": 90, "for_s": 1 }] }"#;
+    let fleet = Fleet {
+        mirrored: vec![ONE],
+        ..Fleet::of([ONE])
+    };
+    let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet).unwrap();
+    let now = Instant::from_millis(1_000);
+    let mut runner = Runner::arm(plan, Options::default(), now);
+    let reply = Telemetry {
+        id: ONE,
+        at: now,
+        mode: Mode::Position,
+        rpm: Some(-9),
+        current: Some(Current::from_raw(0)),
+        degrees: Some(80.0),
+        celsius: None,
+        faults: Faults::NONE,
+    };
+    runner.telemetry(reply);
+    runner.start(now).unwrap();
+    runner.telemetry(reply);
+    let sample = runner.record().samples()[0];
+    assert_eq!((sample.rpm, sample.degrees), (Some(-9), Some(80.0)));
 }

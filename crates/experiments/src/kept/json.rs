@@ -19,6 +19,10 @@ const VERSION: u32 = 1;
 /// The end of the year 9999: what reads a date cannot fail on a later one.
 const UNIX_MS_MAX: f64 = 253_402_300_799_000.0;
 /// Maximal setpoints per second to a motor.
+/// What the signs in a file mean.
+const SIGNS: &str = "+ is forward: speed, current, setpoint and angle of a motor that is mounted mirrored are turned. \
+    In a position run they are the motor's own.";
+
 const HZ_MAX: f64 = 1_000.0;
 
 /// Why a file is not a run.
@@ -98,6 +102,7 @@ pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
             f.member("setup", &header.setup)?;
             f.member("page_version", &header.page_version)?;
             f.member("began_unix_ms", header.began_unix_ms)?;
+            f.member("signs", SIGNS)?;
             f.member("is_started", header.began.is_some())?;
             f.member("request_hz", header.request_hz)?;
             f.member("outcome", outcome_name(header.outcome))?;

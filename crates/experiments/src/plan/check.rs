@@ -235,7 +235,8 @@ impl Check<'_> {
                 quantity,
                 least: f64::INFINITY,
                 greatest: f64::NEG_INFINITY,
-                mirrored: self.fleet.mirrored.contains(&id),
+                // Angles of setpoints are the motor's own, so a position run has its signs in everything.
+                mirrored: quantity != Quantity::Degrees && self.fleet.mirrored.contains(&id),
             });
         }
         let Some(motor) = self.motors.get_mut(at) else {

@@ -25,7 +25,8 @@ pub struct Fleet {
     /// Maximal speed of the slowest model, in rpm.
     pub rpm_max: f64,
     /// Motors that are mounted mirrored. A sequence and a record have the signs of the operator; the frames of these
-    /// motors have the opposite sign of speed and current.
+    /// motors have the opposite sign of speed and current, and their angles count the other way. Motors of a position
+    /// run have their own signs.
     pub mirrored: Vec<MotorId>,
 }
 
@@ -62,7 +63,7 @@ pub struct PlanMotor {
     pub least: f64,
     /// Greatest setpoint.
     pub greatest: f64,
-    /// Whether its frames have the opposite sign of speed and current.
+    /// Whether its frames have the opposite sign of speed and current; never in a position run.
     pub mirrored: bool,
 }
 

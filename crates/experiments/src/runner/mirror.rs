@@ -24,6 +24,14 @@ pub(super) fn reversed(setpoint: Setpoint) -> Setpoint {
 }
 
 impl Telemetry {
+    /// The reply with the angle that counts the other way, as speed and current do.
+    pub(super) fn with_turned_angle(self) -> Self {
+        Self {
+            degrees: self.degrees.map(|degrees| (360.0 - degrees) % 360.0),
+            ..self
+        }
+    }
+
     /// The reply with the opposite sign of speed and current.
     pub(super) fn reversed(self) -> Self {
         Self {

@@ -259,7 +259,12 @@ impl Runner {
             .get(place)
             .and_then(|motor| self.watch.receive(place, reply, motor, self.plan.limits));
         if matches!(self.state, State::Running(_) | State::Paused { .. }) {
-            self.record.sample(reply);
+            // Conditions are about the angle that the motor itself reports, the record has one sign for all.
+            self.record.sample(if mirrored {
+                reply.with_turned_angle()
+            } else {
+                reply
+            });
             if let Some(cause) = cause {
                 self.abort(reply.at, cause);
             }
