@@ -4,8 +4,8 @@ use motorlink_protocol::{Current, Instant, MotorId, Setpoint};
 
 use super::{End, Telemetry};
 
-/// Maximal number of samples: 33 minutes at 200 Hz, 16 MB. Beyond it every second one is dropped, so that the record
-/// of a day stays complete, at a lower rate.
+/// Maximal number of samples: 33 minutes at 200 Hz, 16 MB. Beyond it every second one of the longest stream is dropped, so
+/// that the record of a day stays complete, at a lower rate.
 const SAMPLES_MAX: usize = 400_000;
 /// Maximal number of changes of setpoints.
 const SENT_MAX: usize = 400_000;
@@ -74,10 +74,38 @@ pub struct Record {
     /// The last setpoint of each motor.
     last: Vec<(MotorId, Setpoint)>,
     marks: Vec<Mark>,
-    /// Base-2 logarithm of the decimation of samples.
-    halved: u32,
-    received: u64,
+    streams: Vec<Stream>,
     left_out: bool,
+}
+
+/// The replies of one motor of one kind. They are thinned apart: replies with a temperature are few, and motors reply in
+/// turn, so a common count would drop all of one of them.
+#[derive(Clone, Debug)]
+struct Stream {
+    of: (MotorId, Kind),
+    received: u64,
+    kept: usize,
+    /// Base-2 logarithm of the decimation.
+    halved: u32,
+}
+
+/// What a reply has beside the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Angle,
+    Temperature,
+    Neither,
+}
+
+impl Sample {
+    const fn stream(&self) -> (MotorId, Kind) {
+        let kind = match (self.celsius, self.degrees) {
+            (Some(_), _) => Kind::Temperature,
+            (None, Some(_)) => Kind::Angle,
+            (None, None) => Kind::Neither,
+        };
+        (self.id, kind)
+    }
 }
 
 impl Record {
@@ -113,8 +141,8 @@ impl Record {
 
     /// Whether samples or other entries were dropped because a maximum was reached.
     #[must_use]
-    pub const fn is_thinned(&self) -> bool {
-        self.halved > 0 || self.left_out
+    pub fn is_thinned(&self) -> bool {
+        self.left_out || self.streams.iter().any(|stream| stream.halved > 0)
     }
 
     /// Takes the entries since the last call out of the record.
@@ -183,19 +211,46 @@ impl Record {
     }
 
     fn add_sample(&mut self, sample: Sample) {
-        let number = self.received;
-        self.received += 1;
-        if !number.is_multiple_of(1 << self.halved) {
+        let of = sample.stream();
+        let known = self.streams.iter().position(|stream| stream.of == of);
+        let place = known.unwrap_or(self.streams.len());
+        if known.is_none() {
+            self.streams.push(Stream {
+                of,
+                received: 0,
+                kept: 0,
+                halved: 0,
+            });
+        }
+        let Some(stream) = self.streams.get_mut(place) else {
+            return;
+        };
+        let number = stream.received;
+        stream.received += 1;
+        if !number.is_multiple_of(1 << stream.halved) {
             return;
         }
+        stream.kept += 1;
         if self.samples.len() >= SAMPLES_MAX {
-            let mut keep = false;
-            self.samples.retain(|_| {
-                keep = !keep;
-                keep
-            });
-            self.halved = (self.halved + 1).min(32);
+            self.thin();
         }
         self.samples.push(sample);
+    }
+
+    /// Drops every second sample of the longest stream.
+    fn thin(&mut self) {
+        let Some(longest) = self.streams.iter_mut().max_by_key(|stream| stream.kept) else {
+            return;
+        };
+        let of = longest.of;
+        let (mut keep, mut dropped) = (false, 0);
+        self.samples.retain(|sample| {
+            keep ^= sample.stream() == of;
+            let stays = keep || sample.stream() != of;
+            dropped += usize::from(!stays);
+            stays
+        });
+        longest.kept = longest.kept.saturating_sub(dropped);
+        longest.halved = (longest.halved + 1).min(32);
     }
 }
