@@ -3,7 +3,10 @@
 
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    sequence::{Problem, Quantity, Selection, Sequence, Step, Template, from_csv, schema},
+    sequence::{
+        Action, End, Move, Problem, Quantity, Selection, Sequence, Step, Template, from_csv,
+        schema, text_of,
+    },
 };
 use motorlink_protocol::MotorId;
 
@@ -275,6 +278,11 @@ fn a_csv_that_does_not_fit_is_refused_at_line_and_column() {
             "line 2, column 2: expected a number",
         ),
         (
+            "time_s,rpm\n0,4000\n",
+            "line 2, column 2: 4000 is above 380",
+        ),
+        ("time_s,degrees\n0,-1\n", "line 2, column 2: -1 is below 0"),
+        (
             "time_s,rpm\n0,1,2\n",
             "line 2, column 3: unknown field; check its spelling",
         ),
@@ -290,4 +298,117 @@ fn a_csv_that_does_not_fit_is_refused_at_line_and_column() {
     for (text, expected) in table {
         assert_eq!(from_csv(text).unwrap_err().to_string(), expected);
     }
+}
+
+#[test]
+fn a_csv_with_two_columns_for_one_motor_is_refused_at_the_second() {
+    for head in [
+        "1 rpm,1 rpm",
+        "rpm,1 rpm",
+        "1 rpm,rpm",
+        "rpm,amps",
+        "1 rpm,1 amps",
+    ] {
+        let error = from_csv(&format!("time_s,{head}\n0,1,2\n")).unwrap_err();
+        let expected = "line 1, column 3: appears twice; keep one";
+        assert_eq!(error.to_string(), expected, "{head}");
+    }
+}
+
+#[test]
+fn spreadsheets_in_many_forms_give_one_sequence() {
+    let expected = from_csv("time,1 rpm,2 rpm\n0,0,0\n0.5,100,-100\n2.5,0,0\n").unwrap();
+    let german = "time_s;1 rpm;2 rpm\r\n0;0;0\r\n0,5;100;-100\r\n2,5;0;0\r\n";
+    let tabs = german.replace(';', "\t");
+    let marked = format!("\u{FEFF}sep=;\r\n{german}");
+    let points = german.replace(',', ".");
+    let named = format!("sep=|\n{}", points.replace(';', "|"));
+    for text in [german, &tabs, &marked, &points, &named] {
+        assert_eq!(from_csv(text).unwrap(), expected, "{text}");
+    }
+    let utf_16 = |unit: fn(u16) -> [u8; 2]| {
+        let marked = format!("\u{FEFF}{tabs}");
+        marked.encode_utf16().flat_map(unit).collect::<Vec<u8>>()
+    };
+    for bytes in [utf_16(u16::to_le_bytes), utf_16(u16::to_be_bytes)] {
+        assert_eq!(from_csv(&text_of(&bytes).unwrap()).unwrap(), expected);
+    }
+    let without_mark = &utf_16(u16::to_le_bytes)[2..];
+    for bytes in [without_mark, b"time_s;rpm\n0;\xE4\n"] {
+        let error = text_of(bytes).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "not text in UTF-8; save the file as CSV UTF-8"
+        );
+    }
+}
+
+#[test]
+fn a_number_that_may_have_a_mark_for_thousands_is_never_read_as_another_one() {
+    let refused = [
+        "time_s;amps\n0;1.000\n",
+        "time_s;amps\n0;1.5\n0,5;0\n",
+        "time_s;amps\n0;1.000,5\n",
+        "time_s\tamps\n0\t1.000\n",
+        "time_s\tamps\n0\t-1,000\n",
+        "time_s,amps\n0,\"1,000\"\n",
+        "sep=;\ntime_s;amps\n0;1.000\n",
+    ];
+    for text in refused {
+        let error = from_csv(text).unwrap_err();
+        assert_eq!(error.problem, Problem::ThousandsMark, "{text}");
+    }
+    let read = [
+        ("time_s,amps\n0,1.000\n", 1.0),
+        ("time_s;amps\n0;0.125\n", 0.125),
+        ("time_s;amps\n0;1,125\n", 1.125),
+        ("time_s;amps\n0;-2.5\n", -2.5),
+    ];
+    for (text, amps) in read {
+        let hold = Step::hold(Selection::All, Quantity::Amps, amps, 0.0);
+        assert_eq!(from_csv(text).unwrap().steps, [hold], "{text}");
+    }
+}
+
+#[test]
+fn the_csv_of_a_run_is_read_as_the_setpoints_that_were_sent() {
+    let head =
+        "time,motor,speed_rpm,current_a,angle_deg,temperature_c,setpoint,setpoint_unit,step\n";
+    let rows = "0.001000,1,0,0.000,1.00,,,,\n\
+                0.005000,1,0,0.010,1.00,,50,rpm,0\n\
+                0.006000,2,0,0.010,1.00,,-0,brake,0\n\
+                0.505000,1,49,0.100,,31,50,rpm,0\n\
+                1.005000,1,50,0.100,9.00,,0,rpm,1\n\
+                2.005000,1,0,0.100,9.00,,0,rpm,1\n";
+    let sequence = from_csv(&format!("{head}{rows}")).unwrap();
+    let moves: Vec<(Selection, f64, f64)> = sequence
+        .steps
+        .iter()
+        .map(|step| match step {
+            Step::Move(Move {
+                selection,
+                action: Action::Follow { shape, .. },
+                end: End::After(seconds),
+            }) => (selection.clone(), shape.range(0.0).1, *seconds),
+            Step::Move(Move {
+                selection,
+                action: Action::Brake,
+                end: End::After(seconds),
+            }) => (selection.clone(), f64::NAN, *seconds),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let [first, brake, last] = &moves[..] else {
+        panic!("{moves:?}");
+    };
+    let near = |one: f64, other: f64| (one - other).abs() < 1e-9;
+    assert!(first.0 == Selection::Motor(id(1)) && near(first.1, 50.0) && near(first.2, 0.001));
+    assert!(brake.0 == Selection::Motor(id(2)) && brake.1.is_nan() && near(brake.2, 0.999));
+    assert!(last.0 == Selection::Motor(id(1)) && near(last.1, 0.0) && near(last.2, 1.0));
+    let raw = format!("{head}0,1,,,,,5,raw,0\n");
+    let error = from_csv(&raw).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "line 2, column 8: expected rpm, A, deg or brake"
+    );
 }

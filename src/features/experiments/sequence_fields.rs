@@ -174,7 +174,7 @@ fn file_buttons(of: Experiments) -> impl IntoView {
             />
             <input
                 type="file"
-                accept=".json,.csv"
+                accept=".json,.csv,.tsv,.txt"
                 hidden=true
                 node_ref=chooser
                 on:change=handler(chosen)

@@ -2,7 +2,7 @@
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
-use motorlink_messages::experiments::sequence::{Sequence, from_csv};
+use motorlink_messages::experiments::sequence::{Sequence, from_csv, text_of};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 
@@ -19,13 +19,15 @@ const FILE_BYTES_MAX: f64 = 8e6;
 
 impl Experiments {
     /// Reads a file; a wrong one changes nothing.
-    fn open(self, name: &str, text: &str) {
-        let is_csv = name.to_ascii_lowercase().ends_with(".csv");
-        let read = if is_csv {
-            from_csv(text)
-        } else {
-            Sequence::from_json(text)
-        };
+    fn open(self, name: &str, bytes: &[u8]) {
+        let is_json = name.to_ascii_lowercase().ends_with(".json");
+        let read = text_of(bytes).and_then(|text| {
+            if is_json {
+                Sequence::from_json(&text)
+            } else {
+                from_csv(&text)
+            }
+        });
         match read {
             Ok(sequence) => {
                 self.load(&sequence);
@@ -50,10 +52,9 @@ impl Experiments {
             return;
         }
         spawn_local(async move {
-            let text = JsFuture::from(file.text()).await;
-            match text.ok().and_then(|text| text.as_string()) {
-                Some(text) => self.open(&name, &text),
-                None => self
+            match JsFuture::from(file.array_buffer()).await {
+                Ok(bytes) => self.open(&name, &js_sys::Uint8Array::new(&bytes).to_vec()),
+                Err(_) => self
                     .said
                     .set(tr!("The file cannot be read. Select it again.").to_owned()),
             }

@@ -155,6 +155,11 @@ pub(super) fn problem(problem: &Problem) -> String {
             tr!("written by a newer version; update this page to read it").to_owned()
         }
         Problem::NoVersion => tr!("not a sequence: \"motorlink_sequence\" must be 1").to_owned(),
+        Problem::NotText => tr!("not text in UTF-8; save the file as CSV UTF-8").to_owned(),
+        Problem::ThousandsMark => tr!(
+            "this may be a number with a mark for thousands; write it without marks, or with one decimal mark in all rows"
+        )
+        .to_owned(),
         Problem::Expected("a number") => tr!("expected a number").to_owned(),
         Problem::Expected(what) => tr!("expected {what}", what = *what),
         Problem::UnknownField => tr!("unknown field; check its spelling").to_owned(),

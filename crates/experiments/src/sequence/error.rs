@@ -29,6 +29,10 @@ pub enum Problem {
     NewerVersion,
     /// An unknown version, or none.
     NoVersion,
+    /// The bytes of the file are no text.
+    NotText,
+    /// A number with a mark for thousands, or one whose mark may be one.
+    ThousandsMark,
     /// Another type was expected, which is named here.
     Expected(&'static str),
     /// No field of this name belongs here.
@@ -129,6 +133,10 @@ impl fmt::Display for Problem {
                 f.write_str("written by a newer version; update this page to read it")
             }
             Self::NoVersion => f.write_str("not a sequence: \"motorlink_sequence\" must be 1"),
+            Self::NotText => f.write_str("not text in UTF-8; save the file as CSV UTF-8"),
+            Self::ThousandsMark => f.write_str(
+                "this may be a number with a mark for thousands; write it without marks, or with one decimal mark in all rows",
+            ),
             Self::Expected(what) => write!(f, "expected {what}"),
             Self::UnknownField => f.write_str("unknown field; check its spelling"),
             Self::Twice => f.write_str("appears twice; keep one"),
