@@ -196,3 +196,16 @@ fn charts_and_report_are_whole_files_that_escape() {
     }
     assert!(!html.contains("src=") && !html.contains("href="));
 }
+
+/// The file of a stranger: the page would evaluate each of its steps.
+#[test]
+fn a_file_with_more_steps_than_its_study_is_refused() {
+    let (_, header, record) = run();
+    let text = run_to_json(&header, &record);
+    let (before, marks) = text.rsplit_once("\"marks\":[").unwrap();
+    let many = format!("{}{marks}", "[1,0],".repeat(100_000));
+    let refused = run_from_json(&format!("{before}\"marks\":[{many}")).unwrap_err();
+    assert_eq!(refused.place, "marks");
+    let unordered = text.replacen("\"samples\":[[", "\"samples\":[[90000000,1,1,1,1,1],[", 1);
+    assert_eq!(run_from_json(&unordered).unwrap_err().place, "samples");
+}

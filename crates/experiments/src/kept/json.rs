@@ -11,18 +11,21 @@ use super::{
     Outcome, RunHeader,
     setpoint::{of_parts, parts},
 };
-use crate::runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint};
+use crate::{
+    runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint},
+    study::Study,
+};
 
 /// The version of the file format that this program reads and writes.
 const VERSION: u32 = 1;
 
-/// The end of the year 9999: what reads a date cannot fail on a later one.
-const UNIX_MS_MAX: f64 = 253_402_300_799_000.0;
-/// Maximal setpoints per second to a motor.
 /// What the signs in a file mean.
 const SIGNS: &str = "+ is forward: speed, current, setpoint and angle of a motor that is mounted mirrored are turned. \
     In a position run they are the motor's own.";
 
+/// The end of the year 9999: what reads a date cannot fail on a later one.
+const UNIX_MS_MAX: f64 = 253_402_300_799_000.0;
+/// Maximal setpoints per second to a motor.
 const HZ_MAX: f64 = 1_000.0;
 
 /// Why a file is not a run.
@@ -99,10 +102,10 @@ pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
             f.member("study", &header.study)?;
             f.member("motors", motors.clone().collect::<Vec<_>>())?;
             f.member("model", &header.model)?;
+            f.member("signs", SIGNS)?;
             f.member("setup", &header.setup)?;
             f.member("page_version", &header.page_version)?;
             f.member("began_unix_ms", header.began_unix_ms)?;
-            f.member("signs", SIGNS)?;
             f.member("is_started", header.began.is_some())?;
             f.member("request_hz", header.request_hz)?;
             f.member("outcome", outcome_name(header.outcome))?;
@@ -195,8 +198,7 @@ pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
         outcome: outcome.ok_or(JsonError { place: "outcome" })?,
         bytes: u32::try_from(text.len()).unwrap_or(u32::MAX),
     };
-    let mut record = header.record();
-    record.add_part(RecordPart {
+    let part = RecordPart {
         samples: file.rows("samples", sample)?,
         sent: file.rows("sent", sent)?,
         marks: file.rows("marks", |row| {
@@ -205,8 +207,33 @@ pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
                 step: usize::try_from(crate::number::whole(real(&cell(row, 1)?)?)).ok()?,
             })
         })?,
-    });
+    };
+    check(&header, &part)?;
+    let mut record = header.record();
+    record.add_part(part);
     Ok((header, record))
+}
+
+/// The page evaluates what is stored, so the work for it is bounded here: times are in order, and the run of a study begins
+/// each step of its sequence at most once.
+fn check(header: &RunHeader, part: &RecordPart) -> Result<()> {
+    let marks = part.marks.len();
+    let are_many = match header.study() {
+        Some(Study::Sequence(_)) | None => false,
+        Some(study) => marks > study.sequence().steps.len(),
+    };
+    let wrong = [
+        ("samples", !part.samples.is_sorted_by_key(|it| it.at)),
+        ("sent", !part.sent.is_sorted_by_key(|it| it.at)),
+        (
+            "marks",
+            are_many || !part.marks.is_sorted_by_key(|it| it.at),
+        ),
+    ];
+    match wrong.into_iter().find(|(_, is_wrong)| *is_wrong) {
+        Some((place, _)) => Err(JsonError { place }),
+        None => Ok(()),
+    }
 }
 
 fn outcome(name: &str, at: Instant, id: MotorId) -> Option<Outcome> {
