@@ -5,7 +5,7 @@ mod bench;
 
 use bench::{Bench, ONE, id, ms};
 use motorlink_bus::{Command, Consent, Limits, Repeat, StopReason};
-use motorlink_experiments::runner::{Cause, Options, Phase, SilentSteps};
+use motorlink_experiments::runner::{Cause, End, Options, Phase, SilentSteps};
 use motorlink_messages::runs::{FromRun, NotArmed, ToRun};
 use motorlink_protocol::{Mode, Request, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WireFaults;
@@ -372,5 +372,33 @@ fn a_program_that_traps_stops_its_motors_and_leaves_the_bus_alone() {
         bench.command(drive(1));
         bench.run(ms(500));
         assert!(bench.fastest_rpm() > 10.0);
+    }
+}
+
+/// The bus withdraws the setpoint of a motor that does not answer for 0.2 s. That is sooner than the half second after which
+/// telemetry is too old to start with.
+#[test]
+fn silence_ends_a_run_after_a_fifth_of_a_second() {
+    for pauses in [false, true] {
+        let steps = r#"{ "rpm": 50, "for_s": 9 }"#;
+        let mut bench = Bench::armed(Model::Ddsm115, 1, steps, Options::default());
+        bench.start();
+        bench.run(ms(1_000));
+        if pauses {
+            bench.message(&ToRun::Pause);
+            bench.run(ms(500));
+        }
+        let silent_from = bench.now;
+        bench.world.set_faults(WireFaults {
+            lose_reply: 1.0,
+            ..WireFaults::default()
+        });
+        bench.run(ms(700));
+        let Some(Phase::Ended(End::Aborted { cause, at })) = bench.phase() else {
+            panic!("{:?}", bench.phase());
+        };
+        assert_eq!(cause, Cause::Silent(ONE));
+        let took = at.since(silent_from);
+        assert!(took >= ms(195) && took <= ms(230), "{took:?}");
     }
 }

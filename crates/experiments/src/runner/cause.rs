@@ -32,7 +32,7 @@ pub enum Cause {
     Driven(MotorId),
     /// A motor reports a fault.
     Fault(MotorId, Faults),
-    /// A motor has not replied for half a second, or the bus has withdrawn its setpoint because it did not reply.
+    /// A motor does not reply: the bus has withdrawn its setpoint, which it does after 0.2 s, or half a second has passed.
     Silent(MotorId),
     /// A limit was exceeded.
     Limit(MotorId, ExceededLimit),
