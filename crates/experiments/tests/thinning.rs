@@ -27,7 +27,7 @@ fn record(samples: impl Iterator<Item = Sample>) -> Record {
 /// The times of the replies that a filter keeps, in seconds.
 fn times(record: &Record, of: impl Fn(&Sample) -> bool) -> Vec<f64> {
     let kept = record.samples().iter().filter(|sample| of(sample));
-    kept.map(|sample| sample.at.as_micros() as f64 / 1e6)
+    kept.map(|sample| sample.at.since(Instant::ZERO).as_secs_f64())
         .collect()
 }
 
