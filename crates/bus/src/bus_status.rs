@@ -39,7 +39,7 @@ impl Bus {
     pub fn is_active(&self, now: Instant) -> bool {
         let turns = |motor: &Motor| {
             let speed = motor.fresh_speed(now);
-            motor.may_turn && speed.is_some_and(|speed| speed.magnitude() > 0)
+            motor.may_turn() && speed.is_some_and(|speed| speed.magnitude() > 0)
         };
         let active = |motor: &Motor| !matches!(motor.control, Control::Idle) || turns(motor);
         self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())

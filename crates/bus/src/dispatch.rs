@@ -82,7 +82,7 @@ impl Bus {
     fn forget(&mut self, id: MotorId) -> Result<(), Refusal> {
         match self.motor_mut(id) {
             // A motor that never answered may not exist.
-            Some(motor) if motor.may_turn && motor.has_answered() => Err(Refusal::Driven(id)),
+            Some(motor) if motor.may_turn() && motor.has_answered() => Err(Refusal::Driven(id)),
             Some(Motor {
                 control: Control::Idle,
                 ..

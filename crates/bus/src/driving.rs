@@ -98,7 +98,7 @@ impl Bus {
             Control::Idle => {
                 check_drive(model, id, setpoint, consent, limits, known)?;
                 motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
-                motor.may_turn = true;
+                motor.rest.doubt();
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ use crate::{
     bus::Bus,
     command::Refusal,
     event::StopReason,
-    motor::{Control, Motor},
+    motor::{Control, Motor, Rest},
 };
 
 /// A motor that was driven over an earlier connection and whose standstill no reply has confirmed.
@@ -29,7 +29,7 @@ impl Bus {
         let mut ids = Vec::new();
         for LeftDriven { id, mode } in motors {
             let motor = self.watch(now, id);
-            motor.may_turn = true;
+            motor.rest.doubt();
             motor.left_in = mode;
             ids.push(id);
         }
@@ -48,7 +48,7 @@ impl Bus {
     /// A motor that answered during its whole stop is left alone: a person may hold its wheel.
     pub(crate) fn stop_what_is_back(&mut self, now: Instant) {
         let is_stopped = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
-        let waits = |motor: &Motor| motor.stop_when_back && !is_stopped(motor);
+        let waits = |motor: &Motor| motor.rest == Rest::StopWhenBack && !is_stopped(motor);
         let is_back = |motor: &Motor| waits(motor) && !motor.is_without_answer();
         if self.motors.iter().any(is_back) {
             self.begin_stop(now, StopReason::LeftDriven, waits);
@@ -90,7 +90,7 @@ impl Motor {
             Control::Driven(_) => true,
             Control::Idle | Control::Stopping(_) => false,
         };
-        starts || self.may_turn
+        starts || self.may_turn()
     }
 
     /// The loop that it was last driven in; `None` if it may be another one.

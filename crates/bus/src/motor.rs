@@ -31,7 +31,9 @@ use crate::{
 mod asking;
 mod known;
 mod loops;
+mod rest;
 
+pub(crate) use rest::Rest;
 /// What the bus does with a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Control {
@@ -115,11 +117,8 @@ pub(crate) struct Motor {
     pub(crate) model: Model,
     pub(crate) separate: Separate,
     pub(crate) control: Control,
-    /// Whether it was driven and no reply has reported standstill since.
-    pub(crate) may_turn: bool,
-    /// Whether it was silent when it was last stopped, or has fallen silent since, and its standstill is not confirmed:
-    /// its stop begins again when it answers.
-    pub(crate) stop_when_back: bool,
+    /// Whether a command of this bus may still turn it.
+    pub(crate) rest: Rest,
     /// Whether a raw frame may have moved it since its last stop.
     pub(crate) moved_raw: bool,
     /// The loop that an earlier connection left it in, until it answers.
@@ -175,8 +174,7 @@ impl Motor {
             model,
             separate: Separate::default(),
             control: Control::Idle,
-            may_turn: false,
-            stop_when_back: false,
+            rest: Rest::Known,
             moved_raw: false,
             left_in: None,
             turning_unasked: TurningUnasked::default(),
@@ -360,7 +358,7 @@ impl Motor {
         let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
         self.separate.unanswered(may_be_off);
         if may_be_off && matches!(self.control, Control::Stopping(_)) {
-            self.stop_when_back = self.may_turn;
+            self.rest.wait_for_reply();
         }
     }
 
@@ -392,13 +390,19 @@ impl Motor {
         self.late.unanswered(Layout::Query, sent, 1);
     }
 
+    /// Whether it was driven and no reply has reported standstill since.
+    pub(crate) fn may_turn(&self) -> bool {
+        self.rest != Rest::Known
+    }
+
     /// Starts the stop of this motor and clears the exceeded limit.
     pub(crate) fn stops(&mut self, stop: Stopping) {
         self.control = Control::Stopping(stop);
         // A motor that never answered may not exist. If it was driven all the same, it still may turn.
-        self.may_turn |= self.has_answered();
+        if self.has_answered() || self.may_turn() {
+            self.rest = Rest::Unknown;
+        }
         self.moved_raw = false;
-        self.stop_when_back = false;
         self.turning_unasked.clear();
         self.exceeded = None;
     }

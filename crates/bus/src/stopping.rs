@@ -6,7 +6,7 @@ use crate::{
     bus::Bus,
     event::{Event, StopOutcome, StopReason},
     exchange::Line,
-    motor::{Control, Motor},
+    motor::{Control, Motor, Rest},
     stop::{ActiveStop, Stopping},
     timing::stop_patience,
 };
@@ -18,7 +18,7 @@ impl Bus {
         self.begin_stop(now, reason, |motor| {
             let active = !matches!(motor.control, Control::Idle);
             // A motor that is not known to stand may turn. A motor that never answered does not exist.
-            active || motor.may_turn || (motor.has_answered() && !motor.stands(now))
+            active || motor.may_turn() || (motor.has_answered() && !motor.stands(now))
         });
     }
 
@@ -101,8 +101,9 @@ impl Bus {
             if let Control::Stopping(stop) = motor.control {
                 let confirmed = stop.confirmed();
                 // A motor that was never driven and never answers does not begin to turn by it.
-                motor.may_turn &= !confirmed;
-                motor.stop_when_back &= !confirmed;
+                if confirmed {
+                    motor.rest = Rest::Known;
+                }
                 motor.control = Control::Idle;
                 let speed = motor.fresh_speed(now);
                 outcomes.push(StopOutcome {

@@ -28,7 +28,7 @@ impl Bus {
         for motor in &mut self.motors {
             if motor.falls_silent(now) {
                 motor.silent = true;
-                motor.stop_when_back |= motor.may_turn;
+                motor.rest.wait_for_reply();
                 self.events.push_back(Event::MotorSilent {
                     id: motor.id,
                     garbled: motor.garbled_in_a_row > motor.lost_in_a_row / 2,
@@ -50,7 +50,9 @@ impl Bus {
                         let reported = motor.fresh_faults(now);
                         let faulty = reported.is_some_and(Faults::any_named);
                         motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
-                        motor.may_turn |= matches!(motor.control, Control::Driven(_));
+                        if matches!(motor.control, Control::Driven(_)) {
+                            motor.rest.doubt();
+                        }
                         // The page opens the tab of this loop, so only a switch that the operator requested is
                         // reported.
                         if switch.by_command {

@@ -178,7 +178,7 @@ fn a_motor_that_falls_silent_loses_its_setpoint_and_is_not_started_again_when_it
     assert!(fixture.happened(|e| *e == Event::MotorBack(ID)));
     // It is stopped again, and nothing else.
     let mut drives = fixture.sent.iter().filter_map(|sent| sent.drive_of(ID));
-    assert!(drives.all(|drive| drive.brakes()));
+    assert!(drives.all(motorlink_protocol::Drive::brakes));
     assert!(fixture.true_rpm().abs() < 1.0);
 }
 

@@ -57,7 +57,7 @@ impl Bus {
         }
         let concerns = |motor: &Motor| match motor.control {
             Control::Stopping(_) => false,
-            Control::Idle => motor.may_turn,
+            Control::Idle => motor.may_turn(),
             Control::Switching(_) | Control::Driven(_) => true,
         };
         if self.motors.iter().any(concerns) {

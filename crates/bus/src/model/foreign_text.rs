@@ -59,14 +59,13 @@ impl ForeignText {
             self.in_a_row = 0;
             return None;
         };
-        let is_recent = |at: &Instant| now.since(*at) <= JSON_WITHIN;
-        let before = self.json.filter(is_recent);
+        let is_old = |at: Instant| now.since(at) > JSON_WITHIN;
+        let is_json = text.is_json && self.json.is_some_and(|at| !is_old(at));
         if text.is_json {
             self.json = Some(now);
         }
         self.in_a_row = self.in_a_row.saturating_add(text.bytes);
-        let is_json = text.is_json && before.is_some();
-        let is_plain = self.in_a_row >= TEXT_MIN && self.json.filter(is_recent).is_none();
+        let is_plain = self.in_a_row >= TEXT_MIN && self.json.is_none_or(is_old);
         if self.is_reported || is_json || is_plain {
             self.last = Some(now);
         }

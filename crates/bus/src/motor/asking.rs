@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::Instant;
 
-use super::{Control, Motor};
+use super::{Control, Motor, Rest};
 use crate::{
     driving::is_rest,
     timing::{
@@ -23,7 +23,7 @@ impl Motor {
         let period = if !self.silent {
             self.silent_queries = 0;
             period
-        } else if others_driven && !self.stop_when_back {
+        } else if others_driven && self.rest != Rest::StopWhenBack {
             self.silent_queries = (self.silent_queries + 1).min(PROBE_DOUBLINGS_MAX);
             SILENT_QUERY_PERIOD * (1 << self.silent_queries)
         } else {

@@ -156,7 +156,7 @@ impl Motor {
             position: self.position,
             temperature: self.temperature,
             silent: self.silent,
-            may_turn: self.may_turn,
+            may_turn: self.may_turn(),
             turns_unasked: self.is_free() && self.turning_unasked.is_shown(),
             link: LinkQuality {
                 command_hz: self.drive_frames.hertz(now),

@@ -135,7 +135,7 @@ impl Bus {
         raw.stop();
         // A frame without addressee may have moved any motor.
         let concerns = |motor: &Motor| {
-            motor.may_turn && addressee.is_none_or(|addressee| addressee == motor.id)
+            motor.may_turn() && addressee.is_none_or(|addressee| addressee == motor.id)
         };
         if hazardous && self.motors.iter().any(concerns) {
             self.begin_stop(now, StopReason::OneMotor, concerns);
@@ -202,12 +202,12 @@ impl Bus {
             }
             (RawEffect::Drive { .. } | RawEffect::Unknown, Some(id)) => {
                 let motor = self.watch(now, id);
-                motor.may_turn = true;
+                motor.rest.doubt();
                 motor.moved_raw = true;
             }
             (effect, None) => {
                 for motor in &mut self.motors {
-                    motor.may_turn = true;
+                    motor.rest.doubt();
                     motor.moved_raw = true;
                     if let RawEffect::Switch(mode) | RawEffect::MayBeSwitch(mode) = effect {
                         motor.switch_sent(now, mode);
