@@ -35,6 +35,7 @@ mod group;
 mod id_change;
 mod in_flight;
 mod job;
+mod junk_logged;
 mod last_second;
 mod late_replies;
 mod left_driven;
