@@ -430,9 +430,9 @@ impl Rules {
         for outcome in &report.motors {
             if self.speed_stuck.contains(&outcome.id) {
                 self.judge(Rule::StandstillIsTrue);
-                truth::confirmed(Rule::StandstillIsTrue, now, outcome, world)?;
+                truth::confirmed(Rule::StandstillIsTrue, now, *outcome, world)?;
             } else {
-                truth::confirmed(Rule::StopEnds, now, outcome, world)?;
+                truth::confirmed(Rule::StopEnds, now, *outcome, world)?;
             }
         }
         Ok(())

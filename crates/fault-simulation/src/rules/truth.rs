@@ -123,7 +123,7 @@ impl Truth {
 }
 
 /// A motor that is reported to stand does.
-pub(super) fn confirmed(rule: Rule, now: Instant, outcome: &StopOutcome, world: &World) -> Outcome {
+pub(super) fn confirmed(rule: Rule, now: Instant, outcome: StopOutcome, world: &World) -> Outcome {
     let speed = world.motor(outcome.id).map_or(0.0, VirtualMotor::speed_rpm);
     if outcome.confirmed && speed.abs() > CONFIRMED_RPM {
         let what = format!("{} is said to stand, and turns at {speed} rpm", outcome.id);
