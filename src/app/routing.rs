@@ -13,7 +13,7 @@ use crate::{
     features::raw::actions::belongs_to_raw_editor,
     link::{
         clock::Clock,
-        worker_link::{WorkerLink, WorkerState},
+        worker_link::{SILENT_LOOKS_MAX, SILENT_LOOKS_MAX_TURNING, WorkerLink, WorkerState},
     },
     model::{
         connect_texts, log_lines,
@@ -215,15 +215,22 @@ impl Features {
     /// Checks whether the worker still runs. Called three times a second.
     pub(crate) fn check_worker(self) {
         let runs = self.page.worker.state.get_untracked() == WorkerState::Running;
-        let adapter = self
-            .page
-            .latest
-            .with_value(|session| match session.connection {
-                Connection::Connected(adapter) if runs && !session.is_recording() => Some(adapter),
-                _ => None,
-            });
+        let looks_max = self.page.latest.with_value(|session| {
+            let Connection::Connected(adapter) = session.connection else {
+                return None;
+            };
+            let may_turn = session.motors.iter().any(|motor| motor.may_turn);
+            // Virtual motors end with their worker.
+            let is_urgent = may_turn && matches!(adapter, Adapter::Serial(_));
+            let looks_max = if is_urgent {
+                SILENT_LOOKS_MAX_TURNING
+            } else {
+                SILENT_LOOKS_MAX
+            };
+            (runs && !session.is_recording()).then_some(looks_max)
+        });
         let died =
-            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(adapter));
+            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(looks_max));
         if self.page.worker.link.with_value(died) {
             self.worker_lost();
         }

@@ -4,7 +4,7 @@ use std::{cell::Cell, rc::Rc};
 
 use js_sys::Uint8Array;
 use leptos::logging;
-use motorlink_messages::{Adapter, ToPage, ToWorker, decode, encode};
+use motorlink_messages::{ToPage, ToWorker, decode, encode};
 use web_sys::{MessagePort, Worker};
 
 use crate::{
@@ -24,14 +24,15 @@ pub(crate) enum WorkerState {
 }
 
 /// A worker with an open port pings four times a second. After this number of checks without a ping, a third of a second
-/// apart, it counts as failed: four pings are missing, and twice the delay after which the bus itself stops all motors. A
-/// worker that has ended is noticed at once (`rescue`); this is for one that runs for ever.
+/// apart, it counts as failed: a machine that stalls that long must not drive motors. A worker that has ended is noticed at
+/// once (`rescue`); this is for one that runs for ever.
 ///
 /// Checks count, not time: a page that hung gets one check, and then the pings that arrived meanwhile. The timers of a
-/// hidden page fire once a second at most, so it takes three seconds there.
-const SILENT_LOOKS_MAX: u32 = 3;
-/// The same for virtual motors, which a late worker must advance through all the time that it missed. They end with it.
-const SILENT_LOOKS_MAX_VIRTUAL: u32 = 9;
+/// hidden page fire once a second at most, so it takes longer there.
+pub(crate) const SILENT_LOOKS_MAX: u32 = 9;
+/// The same while a real wheel may turn: four pings are missing, and twice the delay after which the bus itself stops all
+/// motors.
+pub(crate) const SILENT_LOOKS_MAX_TURNING: u32 = 3;
 
 /// The page's end of the link to its worker.
 pub(crate) struct WorkerLink {
@@ -50,15 +51,11 @@ impl Pings {
         self.silent_looks.set(Some(0));
     }
 
-    /// Checks whether the worker has stopped pinging. `adapter` is that of the port that is open.
-    fn have_ended(&self, adapter: Option<Adapter>) -> bool {
-        let looks = self.silent_looks.get().filter(|_| adapter.is_some());
+    /// Checks whether the worker has stopped pinging; `looks_max` is `None` if no port is open.
+    fn have_ended(&self, looks_max: Option<u32>) -> bool {
+        let looks = self.silent_looks.get().filter(|_| looks_max.is_some());
         self.silent_looks.set(looks.map(|looks| looks + 1));
-        let most = match adapter {
-            Some(Adapter::Virtual(_)) => SILENT_LOOKS_MAX_VIRTUAL,
-            _ => SILENT_LOOKS_MAX,
-        };
-        looks >= Some(most)
+        looks.is_some() && looks >= looks_max
     }
 }
 
@@ -112,9 +109,9 @@ impl WorkerLink {
         self.worker.end();
     }
 
-    /// Checks whether the worker has stopped pinging. `adapter` is that of the port that is open.
-    pub(crate) fn has_died(&self, adapter: Option<Adapter>) -> bool {
-        self.pings.have_ended(adapter)
+    /// Checks whether the worker has stopped pinging: more than this number of checks ago, or `None` if no port is open.
+    pub(crate) fn has_died(&self, looks_max: Option<u32>) -> bool {
+        self.pings.have_ended(looks_max)
     }
 }
 
@@ -131,23 +128,13 @@ fn pong(worker: &Worker) {
 mod tests {
     use super::*;
 
-    /// Checks until the worker counts as failed.
-    fn checks(pings: &Pings, adapter: Adapter) -> usize {
-        let ended = |_: &usize| pings.have_ended(Some(adapter));
-        (1..100).find(ended).unwrap()
-    }
-
     #[test]
-    fn a_worker_that_pings_no_more_has_failed_after_four_checks() {
+    fn a_worker_that_pings_no_more_has_failed_after_so_many_checks() {
         let pings = Pings::default();
-        assert!(
-            !(0..100).any(|_| pings.have_ended(Some(Adapter::Serial(None)))),
-            "no ping yet"
-        );
+        let has_ended = |_: &u32| pings.have_ended(Some(SILENT_LOOKS_MAX_TURNING));
+        assert_eq!((1..100).find(has_ended), None, "no ping yet");
         pings.received();
-        assert_eq!(checks(&pings, Adapter::Serial(None)), 4);
-        pings.received();
-        assert_eq!(checks(&pings, Adapter::VIRTUAL), 10);
+        assert_eq!((1..100).find(has_ended), Some(4));
     }
 
     #[test]
@@ -155,9 +142,9 @@ mod tests {
         let pings = Pings::default();
         for _ in 0..100 {
             pings.received();
-            assert!(!pings.have_ended(Some(Adapter::Serial(None))));
+            assert!(!pings.have_ended(Some(SILENT_LOOKS_MAX_TURNING)));
             // A page that hung: its timer is due, and then it gets what arrived meanwhile.
-            assert!(!pings.have_ended(Some(Adapter::Serial(None))));
+            assert!(!pings.have_ended(Some(SILENT_LOOKS_MAX_TURNING)));
         }
         assert!(!(0..100).any(|_| pings.have_ended(None)));
     }
