@@ -26,7 +26,12 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
             fastest_rpm = fastest_rpm.max(second.speed_rpm().abs());
         }
         assert!(fastest_rpm < 0.5, "{fastest_rpm} rpm, {since_ms} ms");
-        assert_eq!(fixture.activity(), Activity::Idle);
+        // Its replies collide, so its standstill is not confirmed: the stop begins again whenever it answers.
+        let activity = fixture.activity();
+        assert!(
+            matches!(activity, Activity::Idle | Activity::Stopping { .. }),
+            "{activity:?}"
+        );
     }
 }
 

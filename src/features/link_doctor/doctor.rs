@@ -53,6 +53,8 @@ const LEVELS_MIN: u32 = 20;
 const TEXT_MIN: u32 = 64;
 /// Three replies and a part of one in one chunk are chance, after a stall.
 const BLOCKS_MIN: u32 = 4;
+/// Where no motor answers, it is asked once a second: ten seconds of replies fill three blocks.
+const BLOCKS_WITHOUT_ANSWER_MIN: u32 = 2;
 
 /// Unrequested frames that may come by chance: a reply that is seconds late.
 const STRANGERS_MIN: u32 = 3;
@@ -251,9 +253,14 @@ pub(crate) fn diagnose(findings: &Findings) -> Verdict {
         all += motor.recent;
     }
     let levels = all.levels.saturating_add(findings.levels);
+    let blocks_min = if all.answered > 0 {
+        BLOCKS_MIN
+    } else {
+        BLOCKS_WITHOUT_ANSWER_MIN
+    };
     if all.text.saturating_add(findings.text) >= TEXT_MIN {
         found.add(Diagnosis::Text);
-    } else if findings.blocks >= BLOCKS_MIN {
+    } else if findings.blocks >= blocks_min {
         found.add(Diagnosis::Blocks);
     } else if levels >= LEVELS_MIN && levels > all.answered.saturating_mul(2) {
         found.add(Diagnosis::Floating);

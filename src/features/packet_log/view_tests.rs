@@ -172,7 +172,7 @@ fn a_narrow_list_has_rows_of_two_lines_and_keeps_its_first_row() {
     view.resize(350, HEIGHT_PX);
     assert!(view.has_two_lines());
     assert_eq!(seen(&view), (40, 0, 46));
-    assert_eq!(view.extent_to(), Some(4_200));
+    assert_eq!(view.extent_to(), Some(4_400));
 }
 
 #[test]

@@ -14,6 +14,8 @@ use crate::{
 /// From so long a time between two replies on, the speeds bridge it: the angle no longer tells the turn where the
 /// speed deviates by 100 rpm for 0.3 s.
 const BRIDGED_OVER_US: u64 = 300_000;
+/// The way by angle deviates from the way by speed by this at most: the same bound.
+const DEVIATION_RPM_MAX: f64 = 100.0;
 /// From so long a time on, what the wheel did is unknown. The history draws gaps of the same length.
 pub(crate) const GAP_OVER_US: u64 = 1_000_000;
 
@@ -103,9 +105,14 @@ impl WheelTrack {
                     link = Link::Bridged;
                 } else {
                     let off = modulo(angle - self.offset - expected + 0.5, 1.0) - 0.5;
-                    // A coarse angle only bounds the way.
-                    let nearest = expected + off;
-                    self.turns = limited(expected, nearest - step, nearest + step);
+                    let is_possible = off.abs() <= turned(DEVIATION_RPM_MAX, since_us) + step;
+                    self.turns = if is_possible {
+                        // A coarse angle only bounds the way.
+                        let nearest = expected + off;
+                        limited(expected, nearest - step, nearest + step)
+                    } else {
+                        expected
+                    };
                     self.by_angle += self.turns - expected;
                 }
                 if verdict != Verdict::Open {
