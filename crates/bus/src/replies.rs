@@ -228,7 +228,7 @@ impl Bus {
         }
         let unconfirmed = motor.loop_is_unconfirmed();
         let waited = motor.must_name_loop(now);
-        let Some(reply) = as_reply(motor, now, &reading, asked) else {
+        let Some(reply) = as_reply(motor, now, exchange.sent, &reading, asked) else {
             if !matches!(reading, Reading::Mode(_)) && motor.tells(now) {
                 self.events.push_back(Event::MotorBack(id));
             }
@@ -309,7 +309,7 @@ impl Bus {
         if !is_of_stop || motor.late.may_answer_id_query() || motor.loop_is_unconfirmed() {
             return false;
         }
-        let Some(reply) = as_reply(motor, now, reading, None) else {
+        let Some(reply) = as_reply(motor, now, now, reading, None) else {
             let named = reading.names_loop(motor.model);
             self.loop_named(now, id, named, false);
             return true;
@@ -357,15 +357,17 @@ fn begins_like(reply: &Frame, request: &Frame) -> bool {
     reply.bytes().get(..7) == request.bytes().get(..7)
 }
 
-/// The reply that this reading makes, unless it only names the loop.
+/// The reply that this reading makes, unless it only names the loop. `measured` is when the motor read its angle: when it
+/// was asked, as far as that is known.
 fn as_reply(
     motor: &mut Motor,
     now: Instant,
+    measured: Instant,
     reading: &Reading,
     asked: Option<motorlink_protocol::Layout>,
 ) -> Option<Reply> {
     let Reading::Combined(reply) = reading else {
-        return motor.separate.record(now, motor.model, reading);
+        return motor.separate.record(now, measured, motor.model, reading);
     };
     Some(reply.in_layout(asked))
 }
