@@ -199,15 +199,15 @@ const SABOTAGES: [Sabotage; 29] = [
         rule: "StoppedAfterALoss",
         what: "a motor without confirmed standstill is not remembered",
         file: "crates/bus/src/left_driven.rs",
-        from: "        starts || self.may_turn\n",
+        from: "        starts || self.may_turn()\n",
         to: "        starts\n",
     },
     Sabotage {
         rule: "StoppedAfterADeadLine",
         what: "what a dead line left driven is not stopped when it answers again",
         file: "crates/bus/src/left_driven.rs",
-        from: "motor.stop_when_back && !is_stopped(motor);",
-        to: "motor.stop_when_back && !is_stopped(motor) && now == Instant::ZERO;",
+        from: "motor.rest == Rest::StopWhenBack && !is_stopped(motor);",
+        to: "motor.rest == Rest::StopWhenBack && !is_stopped(motor) && now == Instant::ZERO;",
     },
     Sabotage {
         rule: "StandstillIsTrue",

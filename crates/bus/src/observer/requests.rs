@@ -156,6 +156,10 @@ impl Observer {
                 self.switched(at, id, mode, goes_on)
             }
             Ok(Request::Enable { on: true, .. }) => {
+                // The bus enables no motor while it stops: the end of the stop is only noticed later.
+                if self.bus.stop.is_some() {
+                    self.stop_ended(at);
+                }
                 self.hear(at, id).is_enabled = true;
                 let (control, _) = self.switched(at, id, Mode::Velocity, false);
                 if let Some(motor) = self.bus.motor_mut(id) {
