@@ -175,9 +175,9 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
         .explained_at(HelpTopic::StaysInLoop)
 }
 
-/// A motor's setpoint was withdrawn, and all of these are being stopped for it.
-fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> NoticeText {
-    let (why, advice) = match reason {
+/// Why the setpoint of a motor is withdrawn, and what to do.
+fn why_withdrawn(reason: WithdrawReason) -> (String, &'static str) {
+    match reason {
         WithdrawReason::Silent => (
             tr!("no reply for 200 ms").to_owned(),
             tr!("Check the motor's power and signal plug, then press Start."),
@@ -206,13 +206,18 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
         ),
         WithdrawReason::AngleMisfits => (
             tr!("its angle does not fit its motion").to_owned(),
-            tr!("The angle was not held. Check the motor before you use the position loop."),
+            tr!("Do not use its position loop."),
         ),
         WithdrawReason::Limit(exceeded) => (
             terms::exceeded_limit(exceeded),
             tr!("Find the cause before you press Start. The limits are in Settings."),
         ),
-    };
+    }
+}
+
+/// A motor's setpoint was withdrawn, and all of these are being stopped for it.
+fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> NoticeText {
+    let (why, advice) = why_withdrawn(reason);
     let title = match stopping {
         [_] => tr!("Stopping motor {id}: {why}", id, why),
         ids => tr!(
@@ -243,13 +248,11 @@ pub(crate) fn of_ended_drive(
             "it was in the {reported} (power loss, or another master)",
             reported = terms::mode(reported)
         ),
-        WithdrawReason::Silent => tr!("no reply for 200 ms").to_owned(),
         WithdrawReason::NotEnabled => tr!("it lost power").to_owned(),
-        WithdrawReason::TemperatureUnknown => {
-            tr!("the temperature has not been known for 2 s").to_owned()
-        }
-        WithdrawReason::AngleMisfits => tr!("its angle does not fit its motion").to_owned(),
-        WithdrawReason::Limit(exceeded) => terms::exceeded_limit(exceeded),
+        WithdrawReason::Silent
+        | WithdrawReason::TemperatureUnknown
+        | WithdrawReason::AngleMisfits
+        | WithdrawReason::Limit(_) => why_withdrawn(reason).0,
     };
     let title = match stopped {
         [_] => tr!("Motor {id} is no longer running: {why}", id, why),
