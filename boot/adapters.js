@@ -8,7 +8,7 @@ const makeOf = (port) => Object.values(port.getInfo()).join(":");
 // ended: see rescue.rs.
 let alive;
 const living = () => new Promise((held) => {
-  const name = `worker ${Math.round(performance.timeOrigin)}`;
+  const name = `worker ${Math.floor(performance.timeOrigin)}`;
   const kept = () => new Promise(held);
   navigator.locks?.request(name, { mode: "shared" }, kept).catch(held);
   if (!navigator.locks) held();

@@ -97,11 +97,17 @@ fn when_worker_ends(page: Page, ended: impl FnOnce() + 'static) -> Option<()> {
         .clock
         .get_value()
         .worker_origin_ms(page_origin_ms());
-    let name = format!("worker {origin_ms:.0}");
+    let name = lock_name(origin_ms);
     request
         .call2(&locks, &name.into(), &Closure::once_into_js(ended))
         .ok()?;
     Some(())
+}
+
+/// The name of the lock of the worker whose clock began then. The worker itself makes the same name (`adapters.js`), so
+/// half a millisecond is rounded down in both: another name is free, as if the worker had ended.
+fn lock_name(origin_ms: f64) -> String {
+    format!("worker {:.0}", origin_ms.floor())
 }
 
 impl Rescue {
@@ -255,5 +261,22 @@ fn text(stage: &Stage) -> NoticeText {
             tr!("Standstill is not confirmed. If a wheel is turning, switch off the power."),
             reload,
         ])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lock_has_the_name_that_the_worker_gives_it() {
+        for origin_ms in [
+            1_795_266_936_962.0,
+            1_795_266_936_962.5,
+            1_795_266_936_962.9,
+        ] {
+            assert_eq!(lock_name(origin_ms), "worker 1795266936962");
+        }
+        assert_eq!(lock_name(1_795_266_936_963.5), "worker 1795266936963");
     }
 }

@@ -76,7 +76,7 @@ impl Bench {
         });
         channel.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
-        let origin = format!("{:.0}", performance().time_origin());
+        let origin = format!("{:.0}", performance().time_origin().floor());
         let script = WORKER.replace("CHANNEL", name).replace("ORIGIN", &origin);
         let kind = BlobPropertyBag::new();
         kind.set_type("text/javascript");
