@@ -98,7 +98,7 @@ async fn a_name_is_given_in_either_list_and_shown_in_every_place() {
         until_focus_is_back(&bench, in_strip).await;
         assert!(bench.find_all(DIALOG.0, DIALOG.1).is_empty());
         let stored = storage().get_item("motorlink.fleet").unwrap().unwrap();
-        assert!(stored.contains("2\tno\tright\tFront\n"), "{stored}");
+        assert!(stored.contains("2\tno\tright\tFront\t\n"), "{stored}");
         assert_eq!(bench.commands().await, [], "{in_strip}");
     }
     storage().remove_item("motorlink.fleet").unwrap();
