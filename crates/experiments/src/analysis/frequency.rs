@@ -164,7 +164,7 @@ pub fn frequency_point(run: &SineRun<'_>) -> BodePoint {
 /// Adds the whole turns of the phases that are known.
 ///
 /// A phase is measured up to whole turns. The first point has no turn if its frequency is so low that another turn
-/// would be a longer delay than [`DELAY_MAX_S`]. From point to point, a dead time that explains the whole lag adds the
+/// would be a longer delay than `DELAY_MAX_S`. From point to point, a dead time that explains the whole lag adds the
 /// lag times the ratio of the frequencies less one. If that is more than a quarter of a turn, so that a second turn is
 /// as likely as the nearest one, this turn and the later ones are unknown.
 pub fn unwrap_phases(points: &mut [BodePoint]) {

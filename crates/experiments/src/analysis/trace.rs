@@ -68,7 +68,7 @@ impl Trace {
     /// Requests per second that the line carried, at most `asked_hz`.
     ///
     /// Requests are not recorded. Their period is the shortest time between replies that occurs often: the mean of the
-    /// intervals up to [`ONE_PERIOD`] times the shortest twentieth. Lost replies only add longer ones.
+    /// intervals up to `ONE_PERIOD` times the shortest twentieth. Lost replies only add longer ones.
     #[must_use]
     pub fn request_hz(&self, asked_hz: f64) -> f64 {
         let pairs = self.rpm.iter().zip(self.rpm.iter().skip(1));
