@@ -292,11 +292,11 @@ pub enum Fault {
     SpeedStuck,
     /// A motor obeys drive frames to 0xC8.
     ObeysAll,
-    /// Motors keep their last command when frames cease.
+    /// Motors have the firmware `WhenSilent::Keep`.
     KeepsItsCommand,
-    /// Motors coast when frames cease.
+    /// Motors have the firmware `WhenSilent::CoastAfter`.
     CoastsWhenSilent,
-    /// Motors brake when frames cease.
+    /// Motors have the firmware `WhenSilent::BrakeAfter`.
     BrakesWhenSilent,
 }
 

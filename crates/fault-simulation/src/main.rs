@@ -207,9 +207,9 @@ fn print_table(
     if let Some(when_silent) = motors.when_silent {
         of.push_str(", ");
         of.push_str(match when_silent {
-            WhenSilent::Keep => "motors that keep their command",
-            WhenSilent::CoastAfter(_) => "motors that coast when frames cease",
-            WhenSilent::BrakeAfter(_) => "motors that brake when frames cease",
+            WhenSilent::Keep => "firmware that keeps its command",
+            WhenSilent::CoastAfter(_) => "firmware that lets a silent wheel roll",
+            WhenSilent::BrakeAfter(_) => "firmware that brakes a silent wheel",
         });
     }
     println!("| figure | must | measured | reached |");

@@ -183,11 +183,11 @@ impl Held {
         let gone_deg = (motor.turns() - self.from_turns) * 360.0 * self.direction;
         let obeyed = motor.obeyed();
         if obeyed.is_none() && now > latest {
-            // No frame has reached it for longer than it obeys one: it coasts, and its direction
-            // after a return is random.
+            // Its firmware obeys a frame only for a time, which has passed: the wheel is free, and its direction after a
+            // return is random.
             return Ok(false);
         }
-        // Without a frame it coasts: its frames ceased before the hold.
+        // A firmware that obeys no old frame: its last one came before the hold.
         let is_asked = obeyed.is_none_or(|(received, _)| received <= latest);
         if is_asked || self.was_asked {
             let speed_deg_s = deg_s(motor) * self.direction;
