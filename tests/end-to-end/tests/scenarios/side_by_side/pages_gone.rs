@@ -33,7 +33,10 @@ fn a_page_left_and_returned_to_has_stopped_the_wheel_and_starts_nothing() -> Res
     let back = now_us();
     nothing_moves_until_asked(&scenario, back)?;
     connect(&scenario.page)?;
-    nothing_moves_until_asked(&scenario, back)?;
+    // A page that went before it saw the wheel stand stops it again.
+    thread::sleep(Duration::from_secs(1));
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    nothing_but_stops_and_questions(&scenario.since(back)?)?;
     it_drives_again_when_asked(&scenario.page)?;
     assert_quiet_console(&scenario.page);
     Ok(())
