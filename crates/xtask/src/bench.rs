@@ -11,7 +11,6 @@ use crate::other_hosts;
 use crate::process;
 use crate::site;
 use crate::site_file::Profile;
-use crate::size;
 use crate::tables::Rows;
 use crate::workspace::Workspace;
 
@@ -124,7 +123,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     }
     rows.write_into(&workspace.root().join(TABLE), "bench")?;
     let files = site::files_of(&dist)?;
-    for (name, bytes, max) in size::Report::new(&files)?.sums() {
+    for (name, bytes, max) in site::size_report(&dist)?.sums() {
         println!("{name}, gzip: {bytes} bytes (at most {max})");
     }
     println!("foreign hosts in the files: {}", list(&files));
@@ -219,8 +218,8 @@ pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
 
 /// Fails if the site is larger than allowed or names another host.
 pub fn check_first_visit(dist: &Path) -> Result<()> {
+    site::size_report(dist)?.check()?;
     let files = site::files_of(dist)?;
-    size::Report::new(&files)?.check()?;
     if !other_hosts::named_in(&files).is_empty() {
         bail!("the site names other hosts: {}", list(&files));
     }

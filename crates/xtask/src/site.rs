@@ -10,11 +10,12 @@ use anyhow::{Context, Result, bail};
 use motorlink_i18n::Language;
 
 use crate::bindgen::{self, Module, Program, Programs, files_below};
+use crate::compression;
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
 use crate::service_worker::{self, is_for_installing};
 use crate::site_file::{Profile, SiteFile};
-use crate::size;
+use crate::size::{self, Weight};
 use crate::template::fill;
 use crate::workspace::Workspace;
 
@@ -56,7 +57,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
     write(&dir, &files)?;
     if profile == Profile::Release {
         write_compressed(&dir, &files)?;
-        print!("{}", size::Report::new(&files)?);
+        print!("{}", size_report(&dir)?);
     }
     Ok(dir)
 }
@@ -68,10 +69,33 @@ pub fn files_of(dir: &Path) -> Result<Vec<SiteFile>> {
         .into_iter()
         .filter(|(path, _)| {
             let ending = path.extension().unwrap_or_default();
-            !COMPRESSED.iter().any(|known| ending == *known)
+            ending != GZIP && ending != BROTLI
         })
         .map(|(path, content)| SiteFile { path, content })
         .collect())
+}
+
+/// The size of a site built before.
+pub fn size_report(dir: &Path) -> Result<size::Report> {
+    let files = files_of(dir)?.into_iter();
+    let weights: Result<Vec<Weight>> = files
+        .filter(|file| !is_for_installing(&file.path))
+        .map(|file| {
+            let bytes_as = |ending: &str| -> Result<usize> {
+                let path = compressed_path(dir, &file.path, ending);
+                let found = fs::metadata(&path);
+                let found = found.with_context(|| format!("no {}", path.display()))?;
+                Ok(usize::try_from(found.len())?)
+            };
+            Ok(Weight {
+                raw_bytes: file.content.len(),
+                gzip_bytes: bytes_as(GZIP)?,
+                brotli_bytes: bytes_as(BROTLI)?,
+                path: file.path,
+            })
+        })
+        .collect();
+    size::Report::new(&weights?)
 }
 
 fn read(path: &Path) -> Result<String> {
@@ -226,15 +250,25 @@ impl Files {
     }
 }
 
-/// Endings of the files that are compressed already.
-const COMPRESSED: [&str; 2] = ["gz", "br"];
+/// Endings of the compressed files.
+const GZIP: &str = "gz";
+const BROTLI: &str = "br";
 
-/// Writes each file once more, compressed, for hosts that serve such files.
+/// Where a file lies once more, compressed.
+fn compressed_path(dir: &Path, path: &Path, ending: &str) -> PathBuf {
+    dir.join(format!("{}.{ending}", path.display()))
+}
+
+/// Writes each file once more, compressed, for hosts that serve such files. A browser fetches pictures for its
+/// installation dialog only, so they stay as they are.
 fn write_compressed(dir: &Path, files: &[SiteFile]) -> Result<()> {
     for file in files.iter().filter(|file| !is_for_installing(&file.path)) {
-        let compressed = [size::gzip(&file.content)?, size::brotli(&file.content)?];
-        for (ending, content) in COMPRESSED.iter().zip(compressed) {
-            let path = dir.join(format!("{}.{ending}", file.path.display()));
+        let compressed = [
+            (GZIP, compression::gzip(&file.content)?),
+            (BROTLI, compression::brotli(&file.content)?),
+        ];
+        for (ending, content) in compressed {
+            let path = compressed_path(dir, &file.path, ending);
             fs::write(&path, content).with_context(|| format!("writing {}", path.display()))?;
         }
     }

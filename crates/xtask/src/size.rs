@@ -1,14 +1,9 @@
 //! The download size of the site, by part.
 
 use std::fmt;
-use std::io::Write;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
-use crate::service_worker::is_for_installing;
-use crate::site_file::SiteFile;
 
 /// When a part is fetched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,6 +163,15 @@ pub struct Report {
     rows: Vec<Row>,
 }
 
+/// A file that a visit can fetch, and its size as the host serves it.
+#[derive(Debug)]
+pub struct Weight {
+    pub path: PathBuf,
+    pub raw_bytes: usize,
+    pub gzip_bytes: usize,
+    pub brotli_bytes: usize,
+}
+
 #[derive(Debug)]
 struct Row {
     name: &'static str,
@@ -179,12 +183,12 @@ struct Row {
 }
 
 impl Report {
-    /// Measures each file that a visit can fetch.
+    /// Adds up the files of each part.
     ///
     /// # Errors
     ///
     /// For a file that no part names.
-    pub fn new(files: &[SiteFile]) -> Result<Self> {
+    pub fn new(files: &[Weight]) -> Result<Self> {
         let mut rows: Vec<Row> = PARTS
             .iter()
             .map(|part| Row {
@@ -196,17 +200,16 @@ impl Report {
                 gzip_bytes_max: part.gzip_bytes_max,
             })
             .collect();
-        // A browser fetches those pictures for its installation dialog only.
-        for file in files.iter().filter(|file| !is_for_installing(&file.path)) {
+        for file in files {
             let path = file.path.to_string_lossy();
             let is_of = |part: &Part| part.files.iter().any(|start| path.starts_with(start));
             let place = PARTS.iter().position(is_of);
             let row = place
                 .and_then(|place| rows.get_mut(place))
                 .with_context(|| format!("{path} belongs to no part: add it in size.rs"))?;
-            row.raw_bytes += file.content.len();
-            row.gzip_bytes += gzip(&file.content)?.len();
-            row.brotli_bytes += brotli(&file.content)?.len();
+            row.raw_bytes += file.raw_bytes;
+            row.gzip_bytes += file.gzip_bytes;
+            row.brotli_bytes += file.brotli_bytes;
         }
         rows.retain(|row| row.raw_bytes > 0);
         Ok(Self { rows })
@@ -271,21 +274,6 @@ impl Report {
     }
 }
 
-/// Compresses at the level that servers use by default, not at the best one.
-pub fn gzip(content: &[u8]) -> Result<Vec<u8>> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(content)?;
-    Ok(encoder.finish()?)
-}
-
-/// Compresses as far as brotli can: the files are compressed once, when they are built.
-pub fn brotli(content: &[u8]) -> Result<Vec<u8>> {
-    let mut compressed = Vec::new();
-    let params = brotli::enc::BrotliEncoderParams::default();
-    brotli::BrotliCompress(&mut &*content, &mut compressed, &params)?;
-    Ok(compressed)
-}
-
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -314,53 +302,40 @@ impl fmt::Display for Report {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
 
-    fn file(name: &str, content: &[u8]) -> SiteFile {
-        SiteFile {
+    fn file(name: &str, bytes: usize) -> Weight {
+        Weight {
             path: PathBuf::from(name),
-            content: content.to_vec(),
+            raw_bytes: 2 * bytes,
+            gzip_bytes: bytes,
+            brotli_bytes: bytes,
         }
     }
 
     #[test]
     fn each_file_counts_in_its_part() {
         let files = [
-            file("index.html", b"page"),
-            file("motorlink-0123456789ab.wasm", b"page"),
-            file("worker-0123456789ab.wasm", b"worker"),
-            file("desk-0123456789ab.wasm", b"desk"),
-            file("texts-de-0123456789ab.txt", b"texts"),
+            file("index.html", 1),
+            file("motorlink-0123456789ab.wasm", 2),
+            file("worker-0123456789ab.wasm", 4),
+            file("desk-0123456789ab.wasm", 8),
+            file("texts-de-0123456789ab.txt", 16),
         ];
         let report = Report::new(&files).unwrap();
-        let first = gzip(b"page").unwrap().len() * 2;
-        assert_eq!(report.first_gzip_bytes(), first);
-        let worker = gzip(b"worker").unwrap().len();
-        assert_eq!(report.driving_gzip_bytes(), first + worker);
-        let desk = gzip(b"desk").unwrap().len();
-        assert_eq!(report.one_language_gzip_bytes(), first + worker + desk);
+        assert_eq!(report.first_gzip_bytes(), 1 + 2);
+        assert_eq!(report.driving_gzip_bytes(), 1 + 2 + 4);
+        assert_eq!(report.one_language_gzip_bytes(), 1 + 2 + 4 + 8);
     }
 
     #[test]
     fn a_file_of_no_part_is_an_error() {
-        assert!(Report::new(&[file("strange.js", b"")]).is_err());
+        assert!(Report::new(&[file("strange.js", 1)]).is_err());
     }
 
     #[test]
     fn a_part_over_its_budget_is_an_error() {
-        let mut state = 1_u32;
-        // Noise cannot be compressed.
-        let noise: Vec<u8> = (0..150_000)
-            .map(|_| {
-                state ^= state << 13;
-                state ^= state >> 17;
-                state ^= state << 5;
-                state.to_be_bytes()[0]
-            })
-            .collect();
-        let report = Report::new(&[file("desk-0123456789ab.wasm", &noise)]).unwrap();
+        let report = Report::new(&[file("desk-0123456789ab.wasm", 150_000)]).unwrap();
         let error = report.check().unwrap_err().to_string();
         assert!(error.contains("desk: "), "{error}");
     }
