@@ -1,11 +1,8 @@
 //! Every motor is asked within a bound, on lines that lose half of the replies, in every state.
-#![cfg(test)]
-
-mod fixture;
 
 use std::{iter, time::Duration};
 
-use fixture::{Fixture, ID, amps, driven_models, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, driven_models, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Instant, Mode, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};

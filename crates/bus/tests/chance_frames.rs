@@ -1,9 +1,7 @@
 //! Bytes that pass the CRC by chance: across two replies, and where several motors answer at once.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, drive_frame, id, ms, raw, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, drive_frame, id, ms, raw, rpm};
 use motorlink_bus::{Command, Event, IdQueryOutcome, RawAnswer, Repeat, StopReason};
 use motorlink_protocol::{Frame, Reply, Request, Rpm};
 use motorlink_simulator::WorldConfig;

@@ -1,9 +1,6 @@
 //! What an operator does shows at once, and what is not an operator's act shows not at all.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, degrees, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, degrees, ms, rpm};
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Refusal, StopReason};
 use motorlink_protocol::Mode;
 use motorlink_simulator::{WireFaults, WorldConfig};

@@ -1,12 +1,9 @@
 //! Several motors share one line: each keeps its rate, its queries and its temperature.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
-use fixture::many_motors::{drive, driven, queries, watching};
-use fixture::{Fixture, ID, id, longest_gap, ms};
+use crate::fixture::many_motors::{drive, driven, queries, watching};
+use crate::fixture::{Fixture, ID, id, longest_gap, ms};
 use motorlink_bus::{BusSettings, Command, CommandRate, Event};
 use motorlink_protocol::{Detail, Instant, Request};
 

@@ -1,11 +1,8 @@
 //! Several DDSM210 or DDSM400 share one line behind a slow adapter.
-#![cfg(test)]
-
-mod fixture;
 
 use std::iter;
 
-use fixture::{Fixture, driven_models::setpoint, id, longest_gap, ms};
+use crate::fixture::{Fixture, driven_models::setpoint, id, longest_gap, ms};
 use motorlink_bus::{Command, Consent};
 use motorlink_protocol::{Instant, Mode, MotorId, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};

@@ -1,15 +1,12 @@
 //! A line that is dead for seconds on an open port: what was driven on it is stopped once it answers again.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Command, Consent, Event, Refusal, Repeat, StopReason, StopReport};
 use motorlink_protocol::{Mode, MotorId, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};
 
-use fixture::driven_models::{setpoint, switched};
-use fixture::many_motors::{drive, watching};
-use fixture::{Fixture, ID, id, ms, raw, rpm, two};
+use crate::fixture::driven_models::{setpoint, switched};
+use crate::fixture::many_motors::{drive, watching};
+use crate::fixture::{Fixture, ID, id, ms, raw, rpm, two};
 
 /// The cable is loose; the motors keep their supply, and turn on.
 fn cut(fixture: &mut Fixture) {

@@ -1,9 +1,6 @@
 //! Driving: rates, queries in addition, several motors, and what is refused.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
 use motorlink_bus::{
     Activity, BusSettings, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal,
 };

@@ -1,7 +1,4 @@
 //! When the bus enables a DDSM400, which obeys no drive frame before.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
@@ -9,7 +6,7 @@ use motorlink_bus::{Activity, Bus, Command, Event, Refusal};
 use motorlink_protocol::{Mode, PositionTarget, Setpoint, family::Model};
 use motorlink_simulator::WorldConfig;
 
-use fixture::{Fixture, ID, drive_frame, ms, rpm};
+use crate::fixture::{Fixture, ID, drive_frame, ms, rpm};
 
 fn with(bus: impl FnOnce(Bus) -> Bus) -> Fixture {
     let mut fixture = Fixture::new(WorldConfig::of(Model::Ddsm400, [ID]));

@@ -1,9 +1,6 @@
 //! A line that fails: echoes, junk, losses, silence, power cuts, protections.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, id, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, id, ms, rpm};
 use motorlink_bus::{Activity, BusSettings, Command, Event, Limits, Refusal, WithdrawReason};
 use motorlink_protocol::{Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};

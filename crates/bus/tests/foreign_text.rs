@@ -1,7 +1,4 @@
 //! Another device than a motor sends text on the port.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
@@ -9,7 +6,7 @@ use motorlink_bus::{Command, Event};
 use motorlink_protocol::family::Model;
 use motorlink_simulator::{WireFaults, WorldConfig};
 
-use fixture::{Fixture, ID, id, ms};
+use crate::fixture::{Fixture, ID, id, ms};
 
 /// The log of an ESP32 that starts: as much as the line carries.
 const BOOT: &[u8] = b"ets Jul 29 2019 12:21:46\r\n\r\nrst:0x1 (POWERON_RESET),boot:0x13 (SPI_FAST_FLASH_BOOT)\r\n\

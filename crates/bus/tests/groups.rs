@@ -1,9 +1,7 @@
 //! Motors that are driven as one.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, id, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, id, ms, rpm};
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, GroupError, GroupSetpoints, Ramp, Refusal,
     StopReason,

@@ -1,9 +1,6 @@
 //! Hold: the wheel stays where it is, however bad the line.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, degrees, ms};
+use crate::fixture::{Fixture, ID, degrees, ms};
 use motorlink_bus::{Activity, Command};
 use motorlink_protocol::Mode;
 use motorlink_simulator::{WireFaults, WorldConfig};

@@ -1,10 +1,8 @@
 //! Giving a motor another ID: proved before, verified after, never by accident.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::id_changes::{change, is_set_id, more, scanned, set_id};
-use fixture::{Fixture, ID, id, ms, rpm};
+use crate::fixture;
+use crate::fixture::id_changes::{change, is_set_id, more, scanned, set_id};
+use crate::fixture::{Fixture, ID, id, ms, rpm};
 use motorlink_bus::{Command, Event, IdChangeOutcome, Refusal, SetIdFrames};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 

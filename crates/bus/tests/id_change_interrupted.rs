@@ -1,10 +1,8 @@
 //! A stop, the port, the page or a bad line interrupts an ID change: what it reports is true.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::id_changes::{change, is_set_id, outcome, scanned, set_id, to};
-use fixture::{ID, id, ms};
+use crate::fixture;
+use crate::fixture::id_changes::{change, is_set_id, outcome, scanned, set_id, to};
+use crate::fixture::{ID, id, ms};
 use motorlink_bus::{Command, Event, IdChangeOutcome, LineEventKind, Refusal, StopReason};
 use motorlink_protocol::Request;
 use motorlink_simulator::{Echo, MotorConfig, WireFaults, WorldConfig};

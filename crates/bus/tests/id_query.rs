@@ -1,9 +1,7 @@
 //! The ID query.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, id, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, id, ms, rpm};
 use motorlink_bus::{Command, Event, IdQueryOutcome, StopReason};
 use motorlink_protocol::{Detail, Mode, Request};
 use motorlink_simulator::{WireFaults, WorldConfig};

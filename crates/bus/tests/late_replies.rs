@@ -1,9 +1,7 @@
 //! Replies that come late, or after losses: none is read in the layout of another request.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, degrees, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, degrees, ms, rpm};
 use motorlink_bus::{Command, Event, LineEventKind};
 use motorlink_protocol::{Detail, Frame, Mode};
 use motorlink_simulator::{WireFaults, WorldConfig};

@@ -1,11 +1,8 @@
 //! What a busy machine delays is counted, and what the line itself takes is not.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
-use fixture::{Fixture, ID, id, ms, rpm};
+use crate::fixture::{Fixture, ID, id, ms, rpm};
 use motorlink_bus::{BusSettings, Command, CommandRate};
 use motorlink_simulator::{WireFaults, WorldConfig};
 

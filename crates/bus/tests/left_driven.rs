@@ -1,7 +1,4 @@
 //! What an earlier connection left driven is stopped before anything else.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{
     Activity, Bus, Command, Consent, Event, LeftDriven, Refusal, Repeat, StopOutcome, StopReason,
@@ -13,8 +10,8 @@ use motorlink_protocol::{
 };
 use motorlink_simulator::WorldConfig;
 
-use fixture::driven_models::{setpoint, switched};
-use fixture::{Fixture, ID, every, id, ms, raw, rpm};
+use crate::fixture::driven_models::{setpoint, switched};
+use crate::fixture::{Fixture, ID, every, id, ms, raw, rpm};
 
 /// The port is lost while the motors are driven, and comes back: a new bus on the same line.
 fn reconnected(fixture: &mut Fixture) -> Vec<LeftDriven> {

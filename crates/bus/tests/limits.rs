@@ -1,9 +1,6 @@
 //! Limits that a person sets: crossing one stops the motor, and the bus reports the reason.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{
+use crate::fixture::{
     Fixture, ID, Sent, amps, degrees, drive_frame, driven_models, every, id, ms, raw, rpm,
 };
 use motorlink_bus::{

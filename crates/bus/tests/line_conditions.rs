@@ -1,9 +1,6 @@
 //! Line faults that begin while a wheel is driven.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, ms, rpm};
+use crate::fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Activity, Command};
 use motorlink_simulator::{LineCondition, WhenSilent};
 

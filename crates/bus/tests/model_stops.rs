@@ -1,14 +1,11 @@
 //! Every model comes to a stop, also on a bad line and after a power cut.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Activity, BusSettings, Command, Event, Refusal};
 use motorlink_protocol::{Detail, Instant, Mode, PositionTarget, Setpoint, family::Model};
 use motorlink_simulator::WireFaults;
 
-use fixture::driven_models::{on, setpoint, stopped, switched};
-use fixture::{Fixture, ID, longest_gap, ms, rpm};
+use crate::fixture::driven_models::{on, setpoint, stopped, switched};
+use crate::fixture::{Fixture, ID, longest_gap, ms, rpm};
 
 #[test]
 fn each_model_stands_soon_after_a_stop_from_its_nominal_speed() {

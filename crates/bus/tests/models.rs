@@ -1,8 +1,6 @@
 //! Every model on its own line: driven in each loop, scanned, limited, given another ID.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, IdChangeOutcome, LimitOutOfRange, Limits,
     LineEventKind, Refusal, SetIdFrames, WithdrawReason,
@@ -10,8 +8,8 @@ use motorlink_bus::{
 use motorlink_protocol::{Layout, Mode, MotorId, Reply, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WorldConfig;
 
-use fixture::driven_models::{on, setpoint, stopped, switched};
-use fixture::{Fixture, ID, id, ms, rpm, scan_report, to};
+use crate::fixture::driven_models::{on, setpoint, stopped, switched};
+use crate::fixture::{Fixture, ID, id, ms, rpm, scan_report, to};
 
 #[test]
 fn each_model_is_driven_in_each_of_its_loops_and_stopped_from_it() {

@@ -1,7 +1,4 @@
 //! Motors of another model than that of the line: they are found, and nothing drives them.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
@@ -9,7 +6,7 @@ use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Limits, Refusal,
 use motorlink_protocol::{Frame, Instant, MotorId, family::Model};
 use motorlink_simulator::WorldConfig;
 
-use fixture::{Fixture, ID, id, ms, raw, rpm};
+use crate::fixture::{Fixture, ID, id, ms, raw, rpm};
 
 const PAIRS: [(Model, Model); 2] = [
     (Model::Ddsm115, Model::Ddsm210),

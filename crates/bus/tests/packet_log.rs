@@ -1,9 +1,6 @@
 //! The events for the packet log are the frames on the wire.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, ms, rpm};
+use crate::fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Command, Consent, Event, LineEvent, LineEventKind, RawInterval, Repeat};
 use motorlink_protocol::{Drive, Frame, Layout, Mode, Request, explain_received, explain_sent};
 use motorlink_simulator::{Echo, Sender, Split, WireFaults, WorldConfig};

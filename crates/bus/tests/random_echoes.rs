@@ -1,13 +1,10 @@
 //! Adapters that echo at random nothing, all, the first or the last bytes of each frame.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Activity, Command, Event};
 use motorlink_protocol::{Mode, family::Model};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
-use fixture::{Fixture, ID, hostile_line, ms, rpm};
+use crate::fixture::{Fixture, ID, hostile_line, ms, rpm};
 
 /// A motor at this angle. The echo comes alone, later than the earliest reply, or in one chunk with the reply.
 fn echoing(model: Model, echo: Echo, seed: u64, angle_deg: f32) -> Fixture {

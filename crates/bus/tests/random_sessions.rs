@@ -1,9 +1,7 @@
 //! Days of random commands on bad lines: after a stop, only Release allows motion again.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, amps, degrees, id, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, amps, degrees, id, ms, rpm};
 use motorlink_bus::{Command, Consent, RawInterval, Repeat, SetIdFrames, StopReason};
 use motorlink_protocol::{AssignableId, Frame, Mode, MotorId, Request};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};

@@ -1,9 +1,6 @@
 //! Raw frames: what is sent, and what is answered.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
 use motorlink_bus::{
     Activity, Command, Consent, Event, RawAnswer, RawInterval, RawStatus, Refusal, Repeat,
     StopReason,

@@ -1,10 +1,8 @@
 //! Limits hold for what a person writes byte by byte to one motor.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::raw_commands::{ABOVE, limited, value, withdrawn};
-use fixture::{
+use crate::fixture;
+use crate::fixture::raw_commands::{ABOVE, limited, value, withdrawn};
+use crate::fixture::{
     Fixture, ID, amps, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two,
 };
 use motorlink_bus::{Activity, BusSettings, Command, Limits, Refusal, Repeat, WithdrawReason};

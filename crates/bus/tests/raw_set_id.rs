@@ -1,9 +1,6 @@
 //! Raw set-ID frames: the same proof and the same check as the command.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, every, id, is_set_id, ms, raw, scan_report, status, to};
+use crate::fixture::{Fixture, ID, every, id, is_set_id, ms, raw, scan_report, status, to};
 use motorlink_bus::{Command, Refusal, Repeat, SetIdFrames, StopReason};
 use motorlink_protocol::{Frame, Request};
 use motorlink_simulator::{MotorConfig, WorldConfig};

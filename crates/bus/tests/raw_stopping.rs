@@ -1,9 +1,6 @@
 //! What ends raw frames: stops, a silent page, and the reasons that withdraw any setpoint.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, drive_frame, every, id, ms, raw, rpm, status};
+use crate::fixture::{Fixture, ID, amps, drive_frame, every, id, ms, raw, rpm, status};
 use motorlink_bus::{
     Activity, Command, Event, RawAnswer, Refusal, Repeat, StopReason, WithdrawReason,
 };

@@ -1,10 +1,8 @@
 //! Raw frames that every motor hears: the limits of each of them hold, and they are stopped together.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::raw_commands::{ABOVE, limited, value, withdrawn};
-use fixture::{Fixture, ID, every, id, ms, raw, rpm, status, two};
+use crate::fixture;
+use crate::fixture::raw_commands::{ABOVE, limited, value, withdrawn};
+use crate::fixture::{Fixture, ID, every, id, ms, raw, rpm, status, two};
 use motorlink_bus::{Activity, Command, Event, Refusal, Repeat, StopReason};
 use motorlink_protocol::{Frame, Mode, Request};
 use motorlink_simulator::WorldConfig;

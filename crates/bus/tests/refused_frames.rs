@@ -1,11 +1,9 @@
 //! A frame that the port did not take was not sent, and counts for nothing.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use std::time::Duration;
 
-use fixture::{Fixture, ID, amps, degrees, id, ms, rpm, scan_report};
+use crate::fixture::{Fixture, ID, amps, degrees, id, ms, rpm, scan_report};
 use motorlink_bus::{Activity, Command, Event, LineEventKind, StopReason, WithdrawReason};
 use motorlink_protocol::{Drive, Mode, MotorId, Request};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};

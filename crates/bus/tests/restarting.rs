@@ -1,12 +1,9 @@
 //! Motors that lose power for a moment outside the velocity loop: they restart in it, where a raw current or angle
 //! is a speed.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
-use fixture::{Fixture, ID, driven_models, ms};
+use crate::fixture::{Fixture, ID, driven_models, ms};
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Event};
 use motorlink_protocol::{CurrentTarget, Instant, Mode, PositionTarget, Setpoint, family::Model};
 use motorlink_simulator::WireFaults;

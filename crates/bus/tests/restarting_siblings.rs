@@ -1,15 +1,13 @@
 //! Models with separate frames that lose power for a moment: they restart in the velocity loop, a DDSM400 is not enabled.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use std::time::Duration;
 
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Frame, Mode, OpenLoopTarget, Setpoint, family::Model};
 use motorlink_simulator::WorldConfig;
 
-use fixture::{Fixture, ID, degrees, every, id, longest_gap, ms, raw, rpm, status};
+use crate::fixture::{Fixture, ID, degrees, every, id, longest_gap, ms, raw, rpm, status};
 
 fn on(model: Model) -> Fixture {
     let mut fixture = Fixture::watching(WorldConfig::of(model, [ID, id(2)]), &[ID, id(2)]);

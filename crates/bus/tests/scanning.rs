@@ -1,10 +1,8 @@
 //! The full scan on a good line.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::scans::{ids, scan, scan_ended, unknown};
-use fixture::{Fixture, ID, id, ms, rpm, to};
+use crate::fixture;
+use crate::fixture::scans::{ids, scan, scan_ended, unknown};
+use crate::fixture::{Fixture, ID, id, ms, rpm, to};
 use motorlink_bus::{Activity, Command, Event, JobStatus, Refusal, SetIdFrames, StopReason};
 use motorlink_protocol::Request;
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};

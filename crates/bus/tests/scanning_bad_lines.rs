@@ -1,12 +1,9 @@
 //! The full scan on a line that is slow, noisy or loses replies.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
-use fixture::scans::{ids, scan, scan_ended, unknown};
-use fixture::{Fixture, ID, Sent, id, ms};
+use crate::fixture::scans::{ids, scan, scan_ended, unknown};
+use crate::fixture::{Fixture, ID, Sent, id, ms};
 use motorlink_bus::{Command, ScanFault, ScanReport};
 use motorlink_protocol::family::Model;
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};

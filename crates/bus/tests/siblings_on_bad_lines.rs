@@ -1,13 +1,11 @@
 //! Models with separate frames on lines that lose, hold and echo bytes.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use motorlink_bus::{Activity, Command, Consent, Event, GroupSetpoints, StopReason};
 use motorlink_protocol::{Detail, Mode, MotorId, family::Model};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
-use fixture::{Fixture, ID, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, id, longest_gap, ms, rpm};
 
 fn on(model: Model, ids: &[MotorId]) -> Fixture {
     let mut config = WorldConfig::of(model, ids.iter().copied());

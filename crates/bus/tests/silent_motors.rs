@@ -1,10 +1,7 @@
 //! Some of several motors on one line are silent: none takes the line from the others.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::many_motors::{drive, driven, queries, watching};
-use fixture::{Fixture, ID, id, longest_gap, ms, rpm};
+use crate::fixture::many_motors::{drive, driven, queries, watching};
+use crate::fixture::{Fixture, ID, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, Consent, Event, StopReason};
 use motorlink_protocol::{Drive, Instant, MotorId, Setpoint};
 use motorlink_simulator::WorldConfig;

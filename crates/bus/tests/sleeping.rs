@@ -1,11 +1,9 @@
 //! A computer that slept, or a worker that was delayed, drives nothing by itself.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use std::time::Duration;
 
-use fixture::{Fixture, ID, amps, degrees, every, ms, raw, rpm, scan_report, to};
+use crate::fixture::{Fixture, ID, amps, degrees, every, ms, raw, rpm, scan_report, to};
 use motorlink_bus::{
     Activity, BusSettings, Command, CommandRate, Event, IdChangeOutcome, Refusal, SetIdFrames,
     StopReason,

@@ -1,9 +1,6 @@
 //! An adapter that stalls keeps what it is given and puts it on the wire later: how much that is.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, Sent, degrees, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, Sent, degrees, id, longest_gap, ms, rpm};
 use motorlink_bus::{BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Frame, Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};

@@ -1,14 +1,11 @@
 //! Standstill is what speed and angle say: where they disagree, or one is unknown, it is not confirmed.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Activity, Command, Event, StopOutcome, StopReason, WithdrawReason};
 use motorlink_protocol::{Mode, Position, family::Model};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
-use fixture::driven_models::{on, stopped};
-use fixture::{Fixture, ID, degrees, ms, rpm};
+use crate::fixture::driven_models::{on, stopped};
+use crate::fixture::{Fixture, ID, degrees, ms, rpm};
 
 fn with(motor: MotorConfig) -> Fixture {
     let model = motor.model;

@@ -1,9 +1,7 @@
 //! What a stop says of itself, and what it never sends: changes of the code that other tests let pass.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, degrees, id, ms, rpm, two};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, degrees, id, ms, rpm, two};
 use motorlink_bus::{Command, Consent, Event, Output, StopReason, StopReport};
 use motorlink_protocol::{Mode, Rpm, Setpoint};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};

@@ -1,11 +1,8 @@
 //! Stopping: velocity loop, zero, brake, next on the wire, until every reply says it stands.
-#![cfg(test)]
-
-mod fixture;
 
 use std::collections::BTreeMap;
 
-use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
+use crate::fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{Activity, Bus, Command, Consent, Event, Refusal, StopReason, StopReport};
 use motorlink_protocol::{Drive, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};

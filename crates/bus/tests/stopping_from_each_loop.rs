@@ -1,14 +1,11 @@
 //! Stops of 2 to 16 motors from each loop, on adapters that hold received bytes.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Command, FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX, StopReason};
 use motorlink_protocol::{Mode, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};
 
-use fixture::measured_stops::{MeasuredStop, Stopped, loops, measure};
-use fixture::{Fixture, id, ms};
+use crate::fixture::measured_stops::{MeasuredStop, Stopped, loops, measure};
+use crate::fixture::{Fixture, id, ms};
 
 fn of_115(mode: Mode, motors: u8, hold_ms: u64) -> Stopped {
     Stopped {

@@ -1,9 +1,7 @@
 //! Changing loops: five frames, confirmed by replies, and refused where the wheel would move by it.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, amps, degrees, id, longest_gap, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, amps, degrees, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, Command, Event, Refusal};
 use motorlink_protocol::{Drive, Mode, Setpoint};
 

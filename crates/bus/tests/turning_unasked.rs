@@ -1,13 +1,10 @@
 //! A wheel that turns although nothing here drives it is reported from the first reply on.
-#![cfg(test)]
-
-mod fixture;
 
 use motorlink_bus::{Bus, Command, Event, Repeat};
 use motorlink_protocol::{Mode, Reply, family::Model};
 
-use fixture::driven_models::{on, setpoint, switched};
-use fixture::{Fixture, ID, ms, raw, rpm};
+use crate::fixture::driven_models::{on, setpoint, switched};
+use crate::fixture::{Fixture, ID, ms, raw, rpm};
 
 fn turns_unasked(fixture: &Fixture) -> bool {
     fixture.status(ID).turns_unasked

@@ -1,10 +1,8 @@
 //! A mode switch whose outcome is not known: the motor may be in the position loop, where zero moves
 //! the wheel.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ID, degrees, ms, rpm};
+use crate::fixture;
+use crate::fixture::{Fixture, ID, degrees, ms, rpm};
 use motorlink_bus::{Activity, Command, StopReason};
 use motorlink_protocol::{Drive, Mode, MotorId};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};

@@ -1,14 +1,12 @@
 //! A value that no reply of that age has told is unknown: no default, and no older one with a new age.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use motorlink_bus::{Bus, Command, Event, Sample, StopReason};
 use motorlink_protocol::{Detail, Mode, Reply, Request, family::Model};
 use motorlink_simulator::WorldConfig;
 
-use fixture::driven_models::{on, setpoint, switched};
-use fixture::{Fixture, ID, ms, rpm};
+use crate::fixture::driven_models::{on, setpoint, switched};
+use crate::fixture::{Fixture, ID, ms, rpm};
 
 const SEPARATE: [Model; 2] = [Model::Ddsm210, Model::Ddsm400];
 

@@ -1,11 +1,9 @@
 //! A driven motor whose drive frames are withheld for a time, to measure what its firmware does then.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use std::time::Duration;
 
-use fixture::{Fixture, ID, Sent, id, ms, rpm};
+use crate::fixture::{Fixture, ID, Sent, id, ms, rpm};
 use motorlink_bus::{Activity, Command, Event, Refusal, StopReason, WITHHELD_MAX, Withheld};
 use motorlink_protocol::{Mode, MotorId, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};

@@ -1,5 +1,4 @@
 //! Every frame in `captures/` is a golden vector: what real motors said and published frames ask.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, Detail, Drive,

@@ -1,5 +1,4 @@
 //! Moments: microseconds since an epoch, and arithmetic that saturates.
-#![cfg(test)]
 
 use std::time::Duration;
 

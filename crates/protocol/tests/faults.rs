@@ -1,5 +1,4 @@
 //! Byte 8 of a reply: each bit, its fault and its name.
-#![cfg(test)]
 
 use motorlink_protocol::{Fault, Faults, family::Model};
 

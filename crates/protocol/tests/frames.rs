@@ -1,5 +1,4 @@
 //! Frames that are read, refused and explained: what a request asks for, and the texts of errors.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, Detail, Fault,

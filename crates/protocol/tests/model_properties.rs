@@ -1,5 +1,4 @@
 //! What holds for any bytes and any request of every model.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, Drive, Frame, MotorId, Position,

@@ -1,5 +1,4 @@
 //! What each model is, by its data sheet, and the values that it takes and reports.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, MotorId, PositionTarget,

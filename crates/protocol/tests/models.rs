@@ -1,5 +1,4 @@
 //! Golden vectors of every model, by its published frames.
-#![cfg(test)]
 
 use motorlink_protocol::{
     AssignableId, Celsius, Frame, MotorId, Position, ReplyError,

@@ -1,5 +1,4 @@
 //! What holds for any bytes and any request.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, CoarsePosition, Current, Drive, Frame, Layout, Mode, MotorId,

@@ -1,5 +1,4 @@
 //! Addresses, targets and reported values: their ranges, their conversions and their texts.
-#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, MotorId,

@@ -1,9 +1,6 @@
 //! One seed, one course of events, however often one looks.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{id, ms, speed, us};
+use crate::fixture::{id, ms, speed, us};
 use motorlink_protocol::{Instant, Mode, MotorId, Request};
 use motorlink_simulator::{
     Beside, Chunk, Echo, MotorConfig, Split, WireFaults, WireFrame, World, WorldConfig,

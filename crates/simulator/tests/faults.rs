@@ -1,11 +1,8 @@
 //! What adapters and cables do to bytes, one fault at a time.
-#![cfg(test)]
-
-mod fixture;
 
 use std::time::Duration;
 
-use fixture::{Fixture, ONE, ms, speed, us};
+use crate::fixture::{Fixture, ONE, ms, speed, us};
 use motorlink_protocol::{Frame, Layout, Reply, Request};
 use motorlink_simulator::{
     Chunk, Echo, LineCondition, Split, VirtualMotor, WireFaults, WorldConfig,

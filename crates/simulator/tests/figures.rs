@@ -1,11 +1,9 @@
 //! The published figures of the motor, each with its tolerance and where it comes from.
-#![cfg(test)]
 
-mod fixture;
-
+use crate::fixture;
 use std::time::Duration;
 
-use fixture::{Fixture, current, ms, speed, speed_at};
+use crate::fixture::{Fixture, current, ms, speed, speed_at};
 use motorlink_protocol::{Mode, Setpoint};
 
 /// Asserts that a figure is met, and shows both when it is not. `cargo test -- --nocapture` lists

@@ -1,9 +1,7 @@
 //! What the controller does with frames: modes, silence, brake, IDs, and the two reply layouts.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{
+use crate::fixture;
+use crate::fixture::{
     Fixture, LAYOUTS, ONE, angle, current, fine_degrees, id, ms, query_detail, speed, us,
 };
 use motorlink_protocol::{

@@ -1,9 +1,6 @@
 //! How the wheel of each model follows its loops, and the published figures.
-#![cfg(test)]
 
-mod line;
-
-use line::{Line, ONE, SEPARATE, ms, rpm};
+use crate::line::{Line, ONE, SEPARATE, ms, rpm};
 use motorlink_protocol::{
     PositionTarget,
     family::{Mode, Model, OpenLoopTarget, Reading, Request, Setpoint},

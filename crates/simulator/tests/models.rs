@@ -1,11 +1,8 @@
 //! What a motor of each model receives and reports.
-#![cfg(test)]
-
-mod line;
 
 use std::time::Duration;
 
-use line::{Line, ONE, SEPARATE, ms, rpm};
+use crate::line::{Line, ONE, SEPARATE, ms, rpm};
 use motorlink_protocol::{
     AssignableId, Frame, MotorId,
     family::{Fault, Mode, ModeReading, Model, Reading, Request, Setpoint},

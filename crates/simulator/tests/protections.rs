@@ -1,9 +1,6 @@
 //! Protections and their recovery, after the maker's manual.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ms, query_detail, speed};
+use crate::fixture::{Fixture, ms, query_detail, speed};
 use motorlink_protocol::{Fault, Faults};
 
 /// Drives at 100 rpm and gives the faults of the last reply.

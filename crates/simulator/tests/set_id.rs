@@ -1,9 +1,6 @@
 //! How an address is given: five frames in a row, heard by all, once per power cycle, kept in flash.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ONE, id, ms, speed};
+use crate::fixture::{Fixture, ONE, id, ms, speed};
 use motorlink_protocol::{AssignableId, Frame, MotorId, Request};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 

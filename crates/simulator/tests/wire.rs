@@ -1,9 +1,6 @@
 //! Bytes in time: airtime, turnaround, collisions, and how motors find frames again.
-#![cfg(test)]
 
-mod fixture;
-
-use fixture::{Fixture, ONE, id, ms, speed, us};
+use crate::fixture::{Fixture, ONE, id, ms, speed, us};
 use motorlink_protocol::{Frame, Instant, Layout, Reply, Request, Setpoint};
 use motorlink_simulator::{MotorConfig, Sender, WireFrame, WorldConfig};
 

@@ -89,3 +89,33 @@ fn build(workspace: &Workspace) -> Result<()> {
     let programs = ["--lib", "--bin", "virtual-motor"];
     process::run(&mut cargo::native(workspace, "build", &programs))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use crate::workspace::Workspace;
+
+    /// Such a crate names its files of tests in one place, so that they are one program. Cargo does not notice a file
+    /// that is not named there.
+    #[test]
+    fn a_program_of_tests_has_every_file_beside_it() {
+        let crates = Workspace::find().unwrap().root().join("crates");
+        let mut programs = 0;
+        for found in fs::read_dir(crates).unwrap() {
+            let dir = found.unwrap().path().join("tests");
+            let Ok(main) = fs::read_to_string(dir.join("main.rs")) else {
+                continue;
+            };
+            programs += 1;
+            for file in fs::read_dir(&dir).unwrap() {
+                let path = file.unwrap().path();
+                let name = path.file_stem().unwrap().to_string_lossy();
+                let is_test = path.extension().is_some_and(|ending| ending == "rs");
+                let is_named = name == "main" || main.contains(&format!("mod {name};"));
+                assert!(is_named || !is_test, "{} is not in main.rs", path.display());
+            }
+        }
+        assert!(programs > 0);
+    }
+}
