@@ -1,11 +1,8 @@
 //! What ends a run, in each of its phases, and what a start needs.
-#![cfg(test)]
 
-mod run_fixture;
-
+use crate::run_fixture::{Fixture, ONE, ms, two};
 use motorlink_experiments::runner::{Cause, End, ExceededLimit, Options, Phase, StartRefusal};
 use motorlink_protocol::{Fault, Faults, Mode};
-use run_fixture::{Fixture, ONE, ms, two};
 
 /// What is done to a run in each phase, and the cause that must be named.
 type Abort = (&'static str, fn(&mut Fixture), Cause);

@@ -1,10 +1,7 @@
 //! How often the stated intervals hold the truth.
-#![cfg(test)]
 
-mod noisy_runs;
-
+use crate::noisy_runs::figures;
 use motorlink_experiments::study::StudyKind;
-use noisy_runs::figures;
 
 /// The correlation of neighbouring replies: white noise, and noise that remembers.
 const MEMORIES: [f64; 3] = [0.0, 0.5, 0.9];

@@ -1,5 +1,4 @@
 //! Shapes over time, and the curves that a table is drawn as.
-#![cfg(test)]
 
 use motorlink_experiments::{
     plan::{Fleet, Plan},

@@ -1,15 +1,10 @@
 //! The figures of `cargo xtask experiments`, as lines of a table.
-#![cfg(test)]
-
-mod analytic_systems;
-mod bench;
-mod measured;
 
 use std::f64::consts::TAU;
 
-use analytic_systems::{VelocityLoop, exact_figures};
-use bench::Bench;
-use measured::{INERTIA, VISCOUS, friction_and_inertia, steps, sweep};
+use crate::analytic_systems::{VelocityLoop, exact_figures};
+use crate::bench::Bench;
+use crate::measured::{INERTIA, VISCOUS, friction_and_inertia, steps, sweep};
 use motorlink_experiments::sequence::{End, Quantity, Selection, Sequence, Shape, Step, Wave};
 use motorlink_simulator::MotorConfig;
 

@@ -1,7 +1,4 @@
 //! Python computes the figures of known systems, and of exported runs.
-#![cfg(test)]
-
-mod bench;
 
 use std::{
     env, fs,
@@ -9,7 +6,7 @@ use std::{
     process::Command,
 };
 
-use bench::{Bench, ONE};
+use crate::bench::{Bench, ONE};
 use motorlink_experiments::{
     kept::{Outcome, RunHeader, figures_to_csv, record_to_csv},
     study::{FrequencyStudy, Measured, StepStudy, Study},

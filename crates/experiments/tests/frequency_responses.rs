@@ -1,14 +1,10 @@
 //! Frequency responses of a known system, and of the virtual motor.
-#![cfg(test)]
 
-mod analytic_systems;
-mod bench;
-mod measured;
-
+use crate::measured;
 use std::f64::consts::TAU;
 
-use analytic_systems::SecondOrder;
-use bench::Bench;
+use crate::analytic_systems::SecondOrder;
+use crate::bench::Bench;
 use motorlink_experiments::{
     analysis::{
         BodePoint, Invalid, Point, RPM_RESOLUTION, SineRun, bandwidth_hz, frequency_point,

@@ -1,12 +1,9 @@
 //! A script of numpy and scipy computes each figure with an interval from the exported CSV file of the same run.
-#![cfg(test)]
-
-mod noisy_runs;
 
 use std::{env, fs, process::Command};
 
+use crate::noisy_runs::figures;
 use motorlink_experiments::{kept::record_to_csv, study::StudyKind};
-use noisy_runs::figures;
 
 const SCRIPT: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),

@@ -1,9 +1,6 @@
 //! Exports of a run of the virtual motor.
-#![cfg(test)]
 
-mod bench;
-
-use bench::{Bench, ONE};
+use crate::bench::{Bench, ONE};
 use motorlink_experiments::{
     chart::{charts, compared_charts, file},
     kept::{

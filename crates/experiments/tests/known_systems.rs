@@ -1,5 +1,4 @@
 //! Step responses of systems whose figures python-control has computed.
-#![cfg(test)]
 
 use motorlink_experiments::analysis::{Point, StepFigures, StepRun, step_figures};
 

@@ -1,15 +1,12 @@
 //! Motors that are mounted mirrored: the frames have the opposite sign, the sequence and the record do not.
-#![cfg(test)]
 
-mod run_fixture;
-
+use crate::run_fixture::{ONE, ms, two};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
     runner::{Options, Runner, Telemetry, Tick},
     sequence::Sequence,
 };
 use motorlink_protocol::{Current, Faults, Instant, Mode, Setpoint};
-use run_fixture::{ONE, ms, two};
 
 #[test]
 fn one_step_turns_both_wheels_of_a_vehicle_forward() {

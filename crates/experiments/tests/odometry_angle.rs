@@ -1,15 +1,12 @@
 //! The angle of an odometry reply is not the angle of position setpoints.
-#![cfg(test)]
 
-mod run_fixture;
-
+use crate::run_fixture::ONE;
 use motorlink_experiments::{
     plan::{Fleet, Plan},
     runner::{Options, Runner, StartRefusal, Telemetry},
     sequence::Sequence,
 };
 use motorlink_protocol::{Current, Faults, Instant, Mode};
-use run_fixture::ONE;
 
 /// A DDSM210 at 142 degrees by its odometry, just switched to the position loop, is at 0 degrees of its setpoints: a run
 /// that ramps to 0 from there would turn it at once.

@@ -1,5 +1,4 @@
 //! Random tables and random texts: what is written is read, and nothing panics.
-#![cfg(test)]
 
 use motorlink_experiments::{
     plan::{Fleet, Plan},

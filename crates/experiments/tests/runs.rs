@@ -1,13 +1,10 @@
 //! Runs over virtual time: what is sent when.
-#![cfg(test)]
-
-mod run_fixture;
 
 use std::time::Duration;
 
+use crate::run_fixture::{Fixture, ONE, ms, two};
 use motorlink_experiments::runner::{Cause, End, Options, Phase, Tick};
 use motorlink_protocol::{Mode, Setpoint};
-use run_fixture::{Fixture, ONE, ms, two};
 
 #[test]
 fn steps_follow_each_other_and_the_run_stops_at_the_end() {

@@ -1,5 +1,4 @@
 //! Sequences as files and as plans: what is read, what is refused, and where.
-#![cfg(test)]
 
 use motorlink_experiments::{
     plan::{Fleet, Plan},

@@ -1,11 +1,7 @@
 //! Step responses of systems with known answers, and of the virtual motor.
-#![cfg(test)]
 
-mod analytic_systems;
-mod bench;
-mod measured;
-
-use analytic_systems::{SecondOrder, VelocityLoop, exact_figures, first_order, replies};
+use crate::analytic_systems::{SecondOrder, VelocityLoop, exact_figures, first_order, replies};
+use crate::measured;
 use motorlink_experiments::analysis::{
     Point, StepFigures, StepRun, spread, step_figures, step_summary,
 };

@@ -1,15 +1,10 @@
 //! Studies on the virtual motor against what it was built with.
-#![cfg(test)]
-
-mod analytic_systems;
-mod bench;
-mod measured;
 
 use std::{f64::consts::TAU, time::Duration};
 
-use analytic_systems::{VelocityLoop, exact_figures};
-use bench::{Bench, ONE};
-use measured::{DRY, HEATING_S, INERTIA, VISCOUS};
+use crate::analytic_systems::{VelocityLoop, exact_figures};
+use crate::bench::{Bench, ONE};
+use crate::measured::{DRY, HEATING_S, INERTIA, VISCOUS};
 use motorlink_experiments::{
     analysis::{Invalid, Spread},
     plan::Fleet,

@@ -1,5 +1,4 @@
 //! A long run keeps every motor and every kind of reply, at a lower rate.
-#![cfg(test)]
 
 use motorlink_experiments::runner::{Record, RecordPart, Sample};
 use motorlink_protocol::{Instant, MotorId};

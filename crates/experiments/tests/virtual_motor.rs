@@ -1,11 +1,7 @@
 //! Experiments on the virtual motor against what it was built with.
-#![cfg(test)]
 
-mod bench;
-mod measured;
-
-use bench::Bench;
-use measured::{DRY, HEATING_S, INERTIA, VISCOUS, friction_and_inertia, warm_up};
+use crate::bench::Bench;
+use crate::measured::{DRY, HEATING_S, INERTIA, VISCOUS, friction_and_inertia, warm_up};
 use motorlink_experiments::{
     analysis::{SpeedLevel, friction},
     sequence::Template,

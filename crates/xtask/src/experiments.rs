@@ -11,11 +11,10 @@ const SEQUENCE_SEEDS: &str = "10000";
 
 /// Prints a row for each figure, runs the generated programs, and checks the files of a robot.
 pub fn show(workspace: &Workspace) -> Result<()> {
-    let tests = ["--test", "figures", "--test", "coverage"];
-    let figures = [&tests[..], &["--", "--ignored", "--nocapture"]].concat();
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
-    let figures = [&package[..], &figures[..]].concat();
-    process::run(&mut cargo::command(workspace, &figures))?;
+    let tests = ["--test", "experiments", "--", "--ignored", "--nocapture"];
+    let mut figures = cargo::command(workspace, &[&package[..], &tests[..]].concat());
+    process::run(figures.args(["figures::", "coverage::"]))?;
     let package = ["test", "--quiet", "--package", "motorlink-fault-simulation"];
     let sequences = [&package[..], &["--test", "sequences", "--", "--nocapture"]].concat();
     let mut sequences = cargo::command(workspace, &sequences);

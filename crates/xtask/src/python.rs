@@ -40,51 +40,43 @@ const FIGURES: Environment = Environment {
     packages: &["control==0.10.2", "numpy==2.2.6", "scipy==1.15.3"],
 };
 
-const CSV_TESTS: [&str; 3] = ["motorlink-recorder", "--test", "other_readers"];
+const CSV_TESTS: &str = "other_readers";
 
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
 pub fn read_session(workspace: &Workspace) -> Result<()> {
-    let test = ["motorlink-session", "--test", "official_readers"];
     let foxglove = npm::MCAP_OF_FOXGLOVE.folder()?;
-    let mut test = ignored_test(workspace, &test, &SESSION_READERS)?;
+    let mut test = ignored_tests(workspace, "official_readers", &SESSION_READERS)?;
     process::run(test.env("MOTORLINK_FOXGLOVE", foxglove))
 }
 
 /// Lets Python's csv module and pandas read the CSV files that the page exports.
 pub fn read_csv_files(workspace: &Workspace) -> Result<()> {
-    let mut test = ignored_test(workspace, &CSV_TESTS, &CSV_READERS)?;
+    let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
     process::run(test.arg("python_and_pandas"))
 }
 
 /// Lets numpy, scipy and python-control compute the figures of known systems, and of the CSV files of runs.
 pub fn compute_figures(workspace: &Workspace) -> Result<()> {
-    let test = [
-        "motorlink-experiments",
-        "--test",
-        "independent_intervals",
-        "--test",
-        "figures_in_python",
-    ];
-    process::run(&mut ignored_test(workspace, &test, &FIGURES)?)
+    let mut test = ignored_tests(workspace, "experiments", &FIGURES)?;
+    process::run(test.args(["independent_intervals::", "figures_in_python::"]))
 }
 
 /// Lets LibreOffice open them.
 pub fn open_csv_files(workspace: &Workspace) -> Result<()> {
     let libreoffice = libreoffice::ensure()?;
-    let mut test = ignored_test(workspace, &CSV_TESTS, &CSV_READERS)?;
+    let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
     test.arg("libreoffice");
     process::run(test.env("MOTORLINK_LIBREOFFICE", libreoffice))
 }
 
-/// A test that needs this environment.
-fn ignored_test(
+/// The tests of a program that need this environment.
+fn ignored_tests(
     workspace: &Workspace,
-    test: &[&str],
+    program: &str,
     environment: &Environment,
 ) -> Result<Command> {
     let python = ensure(environment)?;
-    let args = ["test", "--quiet", "--package"];
-    let mut command = cargo::command(workspace, &[&args[..], test].concat());
+    let mut command = cargo::native(workspace, "test", &["--quiet", "--test", program]);
     command
         .args(["--", "--ignored"])
         .env("MOTORLINK_PYTHON", python);
