@@ -21,88 +21,100 @@ const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
 const NO_PAGE: [&str; 2] = ["--exclude", "motorlink"];
 
 /// Every check, in order.
-pub static SUITE: Suite = Suite(&[
-    Step {
-        name: "format",
-        about: "the sources are formatted",
-        needs: &[],
-        on_request: false,
-        run: |workspace| {
-            let args = ["fmt", "--all", "--check"];
-            process::run(&mut cargo::command(workspace, &args))
+pub static SUITE: Suite = Suite {
+    name: "check",
+    steps: &[
+        Step {
+            name: "format",
+            about: "the sources are formatted",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: |workspace| {
+                let args = ["fmt", "--all", "--check"];
+                process::run(&mut cargo::command(workspace, &args))
+            },
         },
-    },
-    Step {
-        name: "translations",
-        about: "every message of the code has its translations",
-        needs: &[],
-        on_request: false,
-        run: |workspace| translations::update(workspace, true),
-    },
-    Step {
-        name: "layers",
-        about: "no arrow between modules or crates points up, and no two files use each other",
-        needs: &[],
-        on_request: false,
-        run: layers::check,
-    },
-    Step {
-        name: "invariants",
-        about: "every test and file that docs/invariants.md names exists",
-        needs: &[],
-        on_request: false,
-        run: invariants::check,
-    },
-    Step {
-        name: "claims",
-        about: "no text says that a wheel coasts because frames cease",
-        needs: &[],
-        on_request: false,
-        run: claims::check,
-    },
-    Step {
-        name: "dependencies",
-        about: "each dependency is locked, licensed, from the registry, and there once",
-        needs: &[],
-        on_request: false,
-        run: dependencies,
-    },
-    Step {
-        name: "clippy",
-        about: "no warnings in the native code",
-        needs: &[],
-        on_request: false,
-        run: |workspace| {
-            let args = [&["--all-targets"], &NO_PAGE[..], &DENY_WARNINGS].concat();
-            process::run(&mut cargo::native(workspace, "clippy", &args))
+        Step {
+            name: "translations",
+            about: "every message of the code has its translations",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: |workspace| translations::update(workspace, true),
         },
-    },
-    Step {
-        name: "clippy-wasm",
-        about: "no warnings in the code for the browser, tests included",
-        needs: &[],
-        on_request: false,
-        run: |workspace| {
-            let targets = ["--lib", "--bins", "--tests"];
-            let args = [&targets[..], &DENY_WARNINGS].concat();
-            process::run(&mut cargo::wasm(workspace, "clippy", &args)?)
+        Step {
+            name: "layers",
+            about: "no arrow between modules or crates points up, and no two files use each other",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: layers::check,
         },
-    },
-    Step {
-        name: "doc",
-        about: "the documentation builds without warnings",
-        needs: &[],
-        on_request: false,
-        run: |workspace| {
-            strict_doc(cargo::native(
-                workspace,
-                "doc",
-                &[&["--no-deps"], &NO_PAGE[..]].concat(),
-            ))?;
-            strict_doc(cargo::wasm(workspace, "doc", &["--no-deps"])?)
+        Step {
+            name: "invariants",
+            about: "every test and file that docs/invariants.md names exists",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: invariants::check,
         },
-    },
-]);
+        Step {
+            name: "claims",
+            about: "no text says that a wheel coasts because frames cease",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: claims::check,
+        },
+        Step {
+            name: "dependencies",
+            about: "each dependency is locked, licensed, from the registry, and there once",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: dependencies,
+        },
+        Step {
+            name: "clippy",
+            about: "no warnings in the native code",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: |workspace| {
+                let args = [&["--all-targets"], &NO_PAGE[..], &DENY_WARNINGS].concat();
+                process::run(&mut cargo::native(workspace, "clippy", &args))
+            },
+        },
+        Step {
+            name: "clippy-wasm",
+            about: "no warnings in the code for the browser, tests included",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: |workspace| {
+                let targets = ["--lib", "--bins", "--tests"];
+                let args = [&targets[..], &DENY_WARNINGS].concat();
+                process::run(&mut cargo::wasm(workspace, "clippy", &args)?)
+            },
+        },
+        Step {
+            name: "doc",
+            about: "the documentation builds without warnings",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: |workspace| {
+                strict_doc(cargo::native(
+                    workspace,
+                    "doc",
+                    &[&["--no-deps"], &NO_PAGE[..]].concat(),
+                ))?;
+                strict_doc(cargo::wasm(workspace, "doc", &["--no-deps"])?)
+            },
+        },
+    ],
+};
 
 fn strict_doc(mut command: Command) -> Result<()> {
     process::run(command.env("RUSTDOCFLAGS", "-D warnings"))

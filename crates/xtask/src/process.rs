@@ -74,7 +74,8 @@ pub fn run_all(commands: &mut [Command]) -> Result<()> {
     outputs.into_iter().collect()
 }
 
-fn run_captured(command: &mut Command) -> Result<()> {
+/// Runs a program to its end, and prints its output then.
+pub fn run_captured(command: &mut Command) -> Result<()> {
     let output = command
         .output()
         .with_context(|| format!("cannot start `{}`", text_of(command)))?;

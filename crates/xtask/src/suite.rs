@@ -1,11 +1,17 @@
 //! A suite of steps, which run one after the other and stop at the first that fails.
 
+use std::env;
+use std::fmt;
+use std::path::PathBuf;
+use std::process::Command;
+use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::{Error, Result};
+use anyhow::{Context, Result};
 
 use crate::command_line::Selection;
 use crate::failure::BadInput;
+use crate::process;
 use crate::workspace::Workspace;
 
 /// One step of a suite.
@@ -17,6 +23,8 @@ pub struct Step {
     pub about: &'static str,
     /// Steps whose results it uses. They come earlier in the suite.
     pub needs: &'static [&'static str],
+    /// An earlier step that leaves processors idle: in a whole run this one runs meanwhile, at low priority.
+    pub beside: Option<&'static str>,
     /// Whether it runs only where `--only` names it: it installs much.
     pub on_request: bool,
     /// Runs it.
@@ -25,7 +33,39 @@ pub struct Step {
 
 /// Steps in the order in which they run.
 #[derive(Debug)]
-pub struct Suite(pub &'static [Step]);
+pub struct Suite {
+    /// The subcommand that runs it.
+    pub name: &'static str,
+    /// Its steps.
+    pub steps: &'static [Step],
+}
+
+/// A step that ran.
+struct Ended {
+    name: &'static str,
+    took: Duration,
+    result: Result<()>,
+}
+
+impl Ended {
+    /// Runs a step.
+    fn after(name: &'static str, run: impl FnOnce() -> Result<()>) -> Self {
+        let started = Instant::now();
+        let result = run();
+        let took = started.elapsed();
+        let ended = Self { name, took, result };
+        println!("=== {ended}");
+        ended
+    }
+}
+
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let result = if self.result.is_ok() { "ok" } else { "FAILED" };
+        let seconds = self.took.as_secs_f64();
+        write!(f, "{:22} {result:6} {seconds:>8.1} s", self.name)
+    }
+}
 
 impl Suite {
     /// Does what the command line asks: prints the names of the steps, or runs all steps, or one and
@@ -41,23 +81,23 @@ impl Suite {
         }
         let only = selection.only.as_deref();
         let only = only.map(|name| self.step(name)).transpose()?;
-        run_steps(workspace, &self.select(only))
+        self.run_steps(workspace, &self.select(only))
     }
 
     /// Prints each step and what it shows.
     fn list(&self) {
-        for step in self.0 {
+        for step in self.steps {
             let when = if step.on_request {
                 " (only by --only)"
             } else {
                 ""
             };
-            println!("{:18} {}{when}", step.name, step.about);
+            println!("{:22} {}{when}", step.name, step.about);
         }
     }
 
     fn step(&self, name: &str) -> Result<&'static Step> {
-        let step = self.0.iter().find(|step| step.name == name);
+        let step = self.steps.iter().find(|step| step.name == name);
         let unknown = || BadInput(format!("no step {name:?}: --list prints their names")).into();
         step.ok_or_else(unknown)
     }
@@ -68,53 +108,64 @@ impl Suite {
                 only.name == step.name || only.needs.contains(&step.name)
             })
         };
-        self.0.iter().filter(is_selected).collect()
+        self.steps.iter().filter(is_selected).collect()
     }
-}
 
-/// Runs steps up to the first that fails.
-fn run_steps(workspace: &Workspace, selected: &[&Step]) -> Result<()> {
-    let started = Instant::now();
-    let mut times = Vec::new();
-    for (index, step) in selected.iter().enumerate() {
-        let place = format!("{}/{} {}", index + 1, selected.len(), step.name);
-        println!("\n=== {place}: {}", step.about);
-        let step_started = Instant::now();
-        let result = (step.run)(workspace);
-        let took = step_started.elapsed();
-        times.push((step.name, took));
-        if let Err(error) = result {
-            print_summary(&times, selected.len(), started.elapsed(), Some(&error));
-            return Err(error.context(format!("step {} failed", step.name)));
+    /// Runs steps up to the first that fails.
+    fn run_steps(&self, workspace: &Workspace, selected: &[&Step]) -> Result<()> {
+        let started = Instant::now();
+        let mut ended: Vec<Ended> = Vec::new();
+        for step in selected {
+            if ended.iter().any(|ended| ended.name == step.name) {
+                continue;
+            }
+            println!("\n=== {}: {}", step.name, step.about);
+            let is_beside = |other: &&&Step| other.beside == Some(step.name);
+            let beside = selected.iter().filter(is_beside);
+            let beside: Vec<&str> = beside.map(|step| step.name).collect();
+            thread::scope(|scope| {
+                let others = scope.spawn(|| self.run_beside(&beside));
+                ended.push(Ended::after(step.name, || (step.run)(workspace)));
+                let others = others.join();
+                ended.extend(others.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            });
+            if ended.iter().any(|ended| ended.result.is_err()) {
+                break;
+            }
         }
-        println!("=== {place}: ok, {:.1} s", took.as_secs_f64());
+        println!("\n=== summary");
+        for ended in &ended {
+            println!("{ended}");
+        }
+        let minutes = started.elapsed().as_secs_f64() / 60.0;
+        let not_run = selected.len() - ended.len();
+        println!("{minutes:.1} min, {not_run} not run");
+        ended
+            .into_iter()
+            .try_for_each(|Ended { name, result, .. }| {
+                result.with_context(|| format!("step {name} failed"))
+            })
     }
-    print_summary(&times, selected.len(), started.elapsed(), None);
-    Ok(())
+
+    /// Runs steps one after the other at low priority; prints what each printed once it has ended.
+    fn run_beside(&self, names: &[&'static str]) -> Vec<Ended> {
+        let run = |name| {
+            let program = env::current_exe().context("no program to run beside this one")?;
+            process::run_captured(low_priority(program).args([self.name, "--only", name]))
+        };
+        let ended = names.iter().map(|name| Ended::after(name, || run(name)));
+        ended.collect()
+    }
 }
 
-fn print_summary(
-    times: &[(&str, Duration)],
-    step_count: usize,
-    total: Duration,
-    failure: Option<&Error>,
-) {
-    println!("\n=== summary");
-    for (index, (name, time)) in times.iter().enumerate() {
-        let is_last = index + 1 == times.len();
-        let result = if is_last && failure.is_some() {
-            "FAILED"
-        } else {
-            "ok"
-        };
-        println!("{name:18} {result:6} {:>8.1} s", time.as_secs_f64());
+/// A program that gets only the processor time that others leave.
+fn low_priority(program: PathBuf) -> Command {
+    if cfg!(windows) {
+        return Command::new(program);
     }
-    let result = match (failure, step_count - times.len()) {
-        (None, _) => "all passed".to_owned(),
-        (Some(_), 0) => "failed".to_owned(),
-        (Some(_), not_run) => format!("failed, {not_run} not run"),
-    };
-    println!("{result}, {:.1} min", total.as_secs_f64() / 60.0);
+    let mut command = Command::new("nice");
+    command.args(["-n", "19"]).arg(program);
+    command
 }
 
 #[cfg(test)]
@@ -125,10 +176,10 @@ mod tests {
     #[test]
     fn names_are_unique_and_needs_come_earlier() {
         for suite in [&check::SUITE, &test::SUITE] {
-            for (index, step) in suite.0.iter().enumerate() {
+            for (index, step) in suite.steps.iter().enumerate() {
                 assert!(std::ptr::eq(suite.step(step.name).unwrap(), step));
-                for need in step.needs {
-                    let earlier = &suite.0[..index];
+                for need in step.needs.iter().chain(&step.beside) {
+                    let earlier = &suite.steps[..index];
                     let found = earlier.iter().any(|step| step.name == *need);
                     assert!(found, "{} needs {need}", step.name);
                 }
@@ -156,7 +207,7 @@ mod tests {
             let usual = test::SUITE.select(None);
             usual.iter().any(|step| step.name == name)
         };
-        for step in test::SUITE.0 {
+        for step in test::SUITE.steps {
             assert_eq!(is_usual(step.name), !step.on_request, "{}", step.name);
             assert!(names(step.name).contains(&step.name));
         }

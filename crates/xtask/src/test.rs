@@ -14,71 +14,90 @@ use crate::suite::{Step, Suite};
 use crate::workspace::Workspace;
 
 /// Every step, in order.
-pub static SUITE: Suite = Suite(&[
-    Step {
-        name: "build",
-        about: "the tests compile; the released site builds, is light enough and names no other host",
-        needs: &[],
-        on_request: false,
-        run: build,
-    },
-    Step {
-        name: "native",
-        about: "tests of the native code and of the page's pure parts",
-        needs: &[],
-        on_request: false,
-        run: |workspace| {
-            let mut test = cargo::native(workspace, "test", &["--quiet"]);
-            // The scenarios have a step of their own.
-            let skipped = [scenarios::SIDE_BY_SIDE, scenarios::ALONE];
-            test.arg("--");
-            test.args(skipped.iter().flat_map(|module| ["--skip", *module]));
-            process::run(&mut test)
+pub static SUITE: Suite = Suite {
+    name: "test",
+    steps: &[
+        Step {
+            name: "build",
+            about: "the tests compile; the released site builds, is light enough and names no other host",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: build,
         },
-    },
-    Step {
-        name: "session-readers",
-        about: "the readers of Python and of Foxglove read a session file, and each message fits its schema",
-        needs: &[],
-        on_request: false,
-        run: python::read_session,
-    },
-    Step {
-        name: "csv-readers",
-        about: "Python's csv module and pandas read the exported CSV files",
-        needs: &[],
-        on_request: false,
-        run: python::read_csv_files,
-    },
-    Step {
-        name: "figures-in-python",
-        about: "Python computes the figures of known systems, and those of experiments from the exported CSV files",
-        needs: &[],
-        on_request: false,
-        run: python::compute_figures,
-    },
-    Step {
-        name: "csv-in-libreoffice",
-        about: "LibreOffice opens the exported CSV files",
-        needs: &[],
-        on_request: true,
-        run: python::open_csv_files,
-    },
-    Step {
-        name: "wasm",
-        about: "tests of page and worker in a real browser",
-        needs: &[],
-        on_request: false,
-        run: page_tests::run,
-    },
-    Step {
-        name: "end-to-end",
-        about: "scenarios: the page in a real browser drives motors over real Web Serial",
-        needs: &["build"],
-        on_request: false,
-        run: scenarios::run,
-    },
-]);
+        Step {
+            name: "wasm",
+            about: "tests of page and worker in a real browser",
+            needs: &[],
+            beside: None,
+            on_request: false,
+            run: page_tests::run,
+        },
+        Step {
+            name: "end-to-end",
+            about: "scenarios: the page in a real browser drives motors over real Web Serial",
+            needs: &["build"],
+            beside: None,
+            on_request: false,
+            run: scenarios::run_side_by_side,
+        },
+        Step {
+            name: "native",
+            about: "tests of the native code and of the page's pure parts",
+            needs: &[],
+            beside: Some("end-to-end"),
+            on_request: false,
+            run: |workspace| {
+                let mut test = cargo::native(workspace, "test", &["--quiet"]);
+                // The scenarios have a step of their own.
+                let skipped = [scenarios::SIDE_BY_SIDE, scenarios::ALONE];
+                test.arg("--");
+                test.args(skipped.iter().flat_map(|module| ["--skip", *module]));
+                process::run(&mut test)
+            },
+        },
+        Step {
+            name: "session-readers",
+            about: "the readers of Python and of Foxglove read a session file, and each message fits its schema",
+            needs: &[],
+            beside: Some("end-to-end"),
+            on_request: false,
+            run: python::read_session,
+        },
+        Step {
+            name: "csv-readers",
+            about: "Python's csv module and pandas read the exported CSV files",
+            needs: &[],
+            beside: Some("end-to-end"),
+            on_request: false,
+            run: python::read_csv_files,
+        },
+        Step {
+            name: "figures-in-python",
+            about: "Python computes the figures of known systems, and those of experiments from the exported CSV files",
+            needs: &[],
+            beside: Some("end-to-end"),
+            on_request: false,
+            run: python::compute_figures,
+        },
+        Step {
+            name: "csv-in-libreoffice",
+            about: "LibreOffice opens the exported CSV files",
+            needs: &[],
+            beside: None,
+            on_request: true,
+            run: python::open_csv_files,
+        },
+        Step {
+            name: "end-to-end-alone",
+            about: "scenarios that check times, with no other program beside them",
+            needs: &["build"],
+            beside: None,
+            on_request: false,
+            run: scenarios::run_alone,
+        },
+    ],
+};
 
 /// Linking the site keeps one core busy for minutes: the tests compile beside it.
 fn build(workspace: &Workspace) -> Result<()> {
