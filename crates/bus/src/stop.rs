@@ -50,8 +50,9 @@ pub(crate) struct Stopping {
     has_asked_angle: bool,
     last_query: Option<Instant>,
     last_brake: Option<Instant>,
-    /// Whether the last reply since the stop began, of any age, reports the position loop.
-    reports_position: bool,
+    /// Whether the motor is in the position loop by the last that is known: by the last reply, of any age, or by what was
+    /// known before the stop.
+    last_in_position: bool,
 }
 
 impl Stopping {
@@ -80,7 +81,7 @@ impl Stopping {
             has_asked_angle: false,
             last_query: None,
             last_brake: None,
-            reports_position: false,
+            last_in_position: fresh.or(last) == Some(Mode::Position),
         }
     }
 
@@ -118,10 +119,16 @@ impl Stopping {
         }
     }
 
-    /// A motor in the position loop must report that it has left it. A motor without replies gets
-    /// the brake after many switches: it received enough of them, or receives nothing.
+    /// Whether the danger of a brake frame is the smaller one.
+    ///
+    /// A motor that is last known in the position loop must report that it has left it, however long it is silent: the
+    /// switches may not have arrived, and the brake that is the first frame on a repaired line turns the wheel to 0
+    /// degrees. Without a brake, the wheel turns to its target at most, and a switch that arrives ends that.
+    ///
+    /// A motor whose loop was never known may be in any other loop, where it may turn for ever. It gets the brake after many
+    /// switches: it received enough of them, or receives nothing. In every other loop the brake never waits.
     fn may_brake(&self) -> bool {
-        let has_left = !self.reports_position && self.switches >= SILENT_SWITCHES;
+        let has_left = !self.last_in_position && self.switches >= SILENT_SWITCHES;
         self.plan != StopPlan::SwitchThenBrake || has_left
     }
 
@@ -221,13 +228,13 @@ impl Stopping {
 
     /// Records a reply that only names the loop.
     pub(crate) fn record_loop(&mut self, mode: Mode) {
-        self.reports_position = mode == Mode::Position;
+        self.last_in_position = mode == Mode::Position;
         self.plan = stop_plan(Some(mode), None);
     }
 
     /// Records a reply that may be older than this stop. It counts if it reports the position loop.
     pub(crate) fn record_uncertain_reply(&mut self, mode: Mode) {
-        self.reports_position = mode == Mode::Position;
+        self.last_in_position = mode == Mode::Position;
         if mode == Mode::Position {
             self.plan = stop_plan(Some(mode), None);
             self.standstill_replies = 0;

@@ -91,6 +91,26 @@ fn an_uncertain_reply_from_another_loop_changes_no_plan_and_no_count() {
     }
 }
 
+/// A motor that is silent all along gets the brake after many switches, unless it was last known in the position loop.
+#[test]
+fn many_switches_are_enough_for_a_silent_motor_only_if_its_loop_was_never_known() {
+    for (fresh, last, next) in [
+        (None, None, brake()),
+        (None, Some(Mode::Position), Request::Query { id: ID }),
+        (Some(Mode::Position), None, Request::Query { id: ID }),
+    ] {
+        let mut stop = Stopping::begin(BEGAN, fresh, last, 0);
+        for switches in [SILENT_SWITCHES, u8::MAX] {
+            let now = send_switches(&mut stop, switches, false);
+            let request = stop.next_request(now, Model::Ddsm115, ID, false, false);
+            assert_eq!(
+                request, next,
+                "{fresh:?} {last:?}, {switches} more switches"
+            );
+        }
+    }
+}
+
 /// The last uncertain reply decides whether many switches are enough for the brake.
 #[test]
 fn a_motor_that_last_reported_the_position_loop_is_not_braked_after_many_switches() {

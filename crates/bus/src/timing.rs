@@ -132,7 +132,7 @@ pub(crate) const SILENT_STOP_PERIOD: Duration = Duration::from_millis(20);
 /// ms these keep the 50 Hz that the brake needs.
 pub(crate) const SILENT_FIRSTS_MAX: u8 = 3;
 
-/// Mode switches to a silent motor before it gets the brake: it may still be in the position loop,
+/// Mode switches to a silent motor whose loop was never known, before it gets the brake: it may be in the position loop,
 /// where the brake is a move to 0 degrees. It may need five of them; with 10 % of requests lost,
 /// fewer than five of 15 arrive once in 100 million. They take 300 ms.
 pub(crate) const SILENT_SWITCHES: u8 = 15;

@@ -247,3 +247,65 @@ fn a_line_that_comes_and_goes_is_stopped_when_it_is_back() {
     assert_eq!(confirmed(&fixture), [(ID, true)]);
     assert!(fixture.true_rpm().abs() < 2.0);
 }
+
+/// A brake that reaches the position loop turns the wheel to 0 degrees. The line comes back in the middle of a stop.
+#[test]
+fn a_line_that_is_back_during_the_stop_of_a_motor_in_the_position_loop_turns_no_wheel() {
+    for model in Model::ALL
+        .into_iter()
+        .filter(|model| model.has(Mode::Position))
+    {
+        for back_after in (500..3_200).step_by(73) {
+            let mut fixture = switched(model, Mode::Position);
+            fixture.drive(setpoint(Mode::Position)).unwrap();
+            fixture.run(ms(1_500));
+            cut(&mut fixture);
+            fixture.run(ms(back_after));
+            let angle = fixture.world.motor(ID).unwrap().angle_deg();
+            join(&mut fixture);
+            fixture.run(ms(2_500));
+            let turned = fixture.world.motor(ID).unwrap().angle_deg() - angle;
+            assert!(
+                turned.abs() < 1.0,
+                "{model}, {back_after} ms: {turned} degrees"
+            );
+            assert_eq!(
+                confirmed(&fixture),
+                [(ID, true)],
+                "{model}, {back_after} ms"
+            );
+        }
+    }
+}
+
+/// It obeys every frame, but none of its replies arrives. In the position loop it turns to its target at most, and the
+/// switch ends that. In every other loop it may turn for ever.
+#[test]
+fn a_motor_whose_replies_are_all_lost_is_braked_unless_it_is_in_the_position_loop() {
+    for model in Model::ALL {
+        let modes = [
+            Mode::Velocity,
+            Mode::Current,
+            Mode::OpenLoop,
+            Mode::Position,
+        ];
+        for mode in modes.into_iter().filter(|mode| model.has(*mode)) {
+            let mut fixture = switched(model, mode);
+            fixture.drive(setpoint(mode)).unwrap();
+            fixture.run(ms(150));
+            fixture.world.set_faults(WireFaults {
+                lose_reply: 1.0,
+                ..WireFaults::default()
+            });
+            fixture.run_until(ms(1_000), |fixture| {
+                fixture.happened(|event| matches!(event, Event::StopBegan(_)))
+            });
+            fixture.run_until(ms(4_000), |fixture| report(fixture).is_some());
+            let motor = fixture.world.motor(ID).unwrap();
+            assert_eq!(motor.mode(), Mode::Velocity, "{model} {mode}");
+            assert!(motor.speed_rpm().abs() < 1.0, "{model} {mode}");
+            let is_braked = motor.obeyed().is_some_and(|(_, drive)| drive.brakes());
+            assert_eq!(is_braked, mode != Mode::Position, "{model} {mode}");
+        }
+    }
+}

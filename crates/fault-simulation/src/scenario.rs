@@ -35,10 +35,8 @@ const DEAD_LINES: u64 = 0xDEAD_11E5;
 const MOTORS: u64 = 0x0030_7025;
 /// One of them comes before one action in this many.
 const DEAD_LINE_EVERY: u8 = 50;
-/// How long a line is dead: longer than any stop that begins on it. A stop that still runs when the line is back sends a
-/// silent motor switches and brakes in turn, and a brake that arrives first turns a motor in the position loop by some
-/// degrees.
-const DEAD_MS: Range<u64> = 4_500..25_000;
+/// How long a line is dead: it comes back during a stop that began on it, or long after.
+const DEAD_MS: Range<u64> = 500..25_000;
 /// In one world of this many, motors report no speed.
 const STUCK_EVERY: u8 = 6;
 /// Pauses after an action in milliseconds: from within an exchange to the end of any stop.
