@@ -30,7 +30,12 @@ pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
         Notice::StopEnded(report) => {
             let motors = report.motors.iter().copied();
             let open = motors.filter(|motor| !motor.confirmed);
-            Until::Standstill(open.map(|motor| (motor, 0)).collect())
+            let open: Vec<_> = open.map(|motor| (motor, 0)).collect();
+            if open.is_empty() {
+                Until::Dismissed
+            } else {
+                Until::Standstill(open)
+            }
         }
         _ => Until::Dismissed,
     }

@@ -96,6 +96,24 @@ fn no_motor_answers_until_one_does() {
 }
 
 #[test]
+fn motors_that_were_left_driven_are_named_until_the_user_has_read_it() {
+    let mut scenario = Scenario::new();
+    let stood = StopOutcome {
+        id: id(1),
+        confirmed: true,
+        speed: None,
+    };
+    let ended = Notice::StopEnded(StopReport {
+        reason: StopReason::LeftDriven,
+        motors: vec![stood],
+    });
+    let said = ["Motor 0x01 has been stopped"];
+    assert_eq!(scenario.update(&[ended]), said);
+    assert_eq!(scenario.update(&[]), said);
+    assert_eq!(scenario.replies(1, 0, 5), said);
+}
+
+#[test]
 fn silent_motors_are_all_named_and_each_until_it_answers() {
     let mut scenario = Scenario::new();
     scenario.motor(2).silent = true;

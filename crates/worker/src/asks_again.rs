@@ -1,6 +1,6 @@
 //! Repeats the ID query while no motor has answered: a motor may get its power after the port was opened.
 
-use std::time::Duration;
+use std::{mem, time::Duration};
 
 use motorlink_bus::{Bus, Command, IdQueryOutcome, Refusal};
 use motorlink_protocol::Instant;
@@ -15,13 +15,21 @@ const PAUSE_MAX: Duration = Duration::from_secs(4);
 pub(crate) struct AsksAgain {
     at: Option<Instant>,
     pause: Option<Duration>,
+    /// Whether the query of the opened port has ended. The person asked those that follow.
+    opened: bool,
 }
 
 impl AsksAgain {
-    /// The ID query has ended so. Returns whether to tell the page: it may know already that nothing answers.
+    /// The ID query has ended so. Returns whether to tell the page: it may know already that nothing answers, and
+    /// nobody asked the query that the first stop of a port cancels.
     pub(crate) fn ended(&mut self, now: Instant, outcome: IdQueryOutcome) -> bool {
+        let is_of_opening = !mem::replace(&mut self.opened, true);
+        if outcome == IdQueryOutcome::Cancelled && is_of_opening {
+            self.at = Some(now + PAUSE);
+            return false;
+        }
         if outcome != IdQueryOutcome::NoReply {
-            *self = Self::default();
+            self.end();
             return true;
         }
         let is_first = self.pause.is_none();
@@ -29,6 +37,14 @@ impl AsksAgain {
         self.pause = Some(pause);
         self.at = Some(now + pause);
         is_first
+    }
+
+    /// A motor has answered, or another query has ended.
+    fn end(&mut self) {
+        *self = Self {
+            opened: true,
+            ..Self::default()
+        };
     }
 
     /// Asks if it is time, and no motor has answered meanwhile. Returns when to call it again.
@@ -44,12 +60,35 @@ impl AsksAgain {
         }
         self.at = None;
         if bus.motors(now).any(|motor| motor.last.is_some()) {
-            *self = Self::default();
+            self.end();
             return None;
         }
         // Refused while a job or a raw frame has the line: then it is asked later.
         let asked: Result<(), Refusal> = bus.command(now, Command::IdQuery);
         self.at = asked.is_err().then(|| now + PAUSE_MAX);
         self.at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_protocol::MotorId;
+    use wasm_bindgen_test::wasm_bindgen_test;
+
+    use super::*;
+
+    #[wasm_bindgen_test]
+    fn a_query_that_the_first_stop_of_a_port_cancels_is_not_told_but_asked_again() {
+        let now = Instant::ZERO;
+        let mut asks_again = AsksAgain::default();
+        assert!(!asks_again.ended(now, IdQueryOutcome::Cancelled));
+        let mut bus = Bus::new(now);
+        assert_eq!(asks_again.turn(now, &mut bus), Some(now + PAUSE));
+        assert!(asks_again.turn(now + PAUSE, &mut bus).is_none());
+        assert!(asks_again.ended(now, IdQueryOutcome::One(MotorId::FIRST)));
+        assert!(
+            asks_again.ended(now, IdQueryOutcome::Cancelled),
+            "asked by the person"
+        );
     }
 }

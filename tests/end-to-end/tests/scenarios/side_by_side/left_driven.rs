@@ -28,7 +28,9 @@ const KEEP_WORKERS: &str = "
 
 /// The first frame since a moment is a stop, the wheel stands soon, and the page says so. Prints the times.
 fn is_stopped_first(scenario: &mut Scenario, what: &str, from_us: u64, says: &str) -> Result<u64> {
-    the_page_says(&scenario.page, says)?;
+    scenario
+        .page
+        .wait_for_text("region", "Notices", |text| text.contains(says))?;
     let said_us = now_us();
     let wire = scenario.since(from_us)?.from_host();
     let first = wire.frames.first().context("no frame")?;
