@@ -1,12 +1,13 @@
 //! The packet log: the newest entries in order of time, and a view of them.
 
 use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_messages::recorder::{Filter, LogPage, Window};
+use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
     chunks::Chunks,
     entry::{Entry, EntryContent, Visibility},
+    meaning,
     routine::Routine,
     texts::Texts,
     view::{REORDER_MAX, RowContext, View},
@@ -250,6 +251,15 @@ impl Log {
             gone: self.gone,
             ..self.view.page(&self.entries, context, window)
         }
+    }
+
+    /// The newest frame as a row, whether the view shows it or not.
+    #[must_use]
+    pub fn newest_frame(&self) -> Option<Row> {
+        let numbers = self.entries.first()..self.entries.end();
+        let mut newest_first = numbers.rev().filter_map(|number| self.entries.get(number));
+        let frame = newest_first.find(|entry| matches!(entry.kind(), Kind::Tx | Kind::Rx))?;
+        Some(meaning::row(&frame, &self.texts, self.clock))
     }
 
     /// The time of a row; `None` if there is no such row.

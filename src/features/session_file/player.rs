@@ -18,7 +18,7 @@ use motorlink_messages::{
     Update,
     bus::Sample,
     protocol::Instant,
-    recorder::{Kind, LogPage, Row},
+    recorder::{LogPage, Row},
     sessions::{ActivityChange, FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
 };
 
@@ -83,7 +83,7 @@ pub(crate) struct Parts {
     pub(super) info: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     pub(super) place: RwSignal<Place>,
     pub(super) speed: RwSignal<PlaySpeed>,
-    /// The last frame before the place that is shown, if the packet log shows it.
+    /// The last frame before the place that is shown.
     pub(super) frame: RwSignal<Option<Row>, LocalStorage>,
     /// The bookmarks of the open session.
     pub(super) bookmarks: RwSignal<Bookmarks, LocalStorage>,
@@ -207,8 +207,8 @@ impl Player {
             FromReplay::Update { place, update } => self.arrived(place, &update),
             FromReplay::PastActivities(changes) => self.show(Show::PastActivities(&changes)),
             FromReplay::Past(samples) => self.show(Show::Past(&samples)),
-            FromReplay::Log(rows) => {
-                self.frame.set(frame_at_end(&rows));
+            FromReplay::Log { rows, frame } => {
+                self.frame.set(frame.map(|frame| *frame));
                 self.show(Show::Rows(&rows));
             }
             FromReplay::Unreadable => self.unreadable.set(true),
@@ -285,43 +285,5 @@ impl Player {
             Some(_) => self.wanted.set(None),
             None => {}
         }
-    }
-}
-
-/// The last frame of the log, unless other rows are shown: the rows of a replay end at its place.
-fn frame_at_end(page: &LogPage) -> Option<Row> {
-    let last = page.rows.last()?;
-    let is_newest = last.number + 1 >= page.end;
-    let mut frames = page.rows.iter().rev();
-    let frame = frames.find(|row| matches!(row.kind, Kind::Tx | Kind::Rx));
-    frame.filter(|_| is_newest).cloned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_frame_at_the_place_is_the_last_one_of_the_newest_rows() {
-        let row = |number, kind| Row {
-            number,
-            kind,
-            time: String::new(),
-            id: String::new(),
-            hex: String::new(),
-            meaning: String::new(),
-            collapsed_before: 0,
-            opened: 0,
-        };
-        let page = |end, rows| LogPage {
-            end,
-            rows,
-            ..LogPage::default()
-        };
-        let rows = vec![row(4, Kind::Tx), row(5, Kind::Rx), row(6, Kind::System)];
-        let frame = frame_at_end(&page(7, rows.clone()));
-        assert_eq!(frame.map(|row| row.number), Some(5));
-        assert_eq!(frame_at_end(&page(8, rows)), None, "older rows are shown");
-        assert_eq!(frame_at_end(&page(0, vec![])), None);
     }
 }

@@ -215,7 +215,9 @@ async fn rows_of_the_recording_take_the_place_of_the_log_and_the_log_is_back_aft
         }],
         ..LogPage::default()
     };
-    post(&sessions, FromReplay::Log(Box::new(rows)));
+    let frame = rows.rows.last().cloned().map(Box::new);
+    let rows = Box::new(rows);
+    post(&sessions, FromReplay::Log { rows, frame });
     bench.until("its rows", entries("7 entries")).await;
     // What happens on the page meanwhile reaches neither log.
     recorder.log(1);

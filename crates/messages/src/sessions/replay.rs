@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Update,
-    recorder::{Filter, LogPage, Window},
+    recorder::{Filter, LogPage, Row, Window},
 };
 
 /// From the page to the session worker, about the open session.
@@ -99,8 +99,13 @@ pub enum FromReplay {
     Past(Vec<Sample>),
     /// What the motors did before a jump, oldest first: for the targets in the graph.
     PastActivities(Vec<ActivityChange>),
-    /// Rows of the packet log of the replay, as in [`FromRecorder::Log`](crate::recorder::FromRecorder::Log).
-    Log(Box<LogPage>),
+    /// The packet log of the replay.
+    Log {
+        /// Rows, as in [`FromRecorder::Log`](crate::recorder::FromRecorder::Log).
+        rows: Box<LogPage>,
+        /// The last frame before the present place, whether the log shows it or not.
+        frame: Option<Box<Row>>,
+    },
     /// Bytes of the file could not be read; the replay is paused. What is damaged is skipped without this message.
     Unreadable,
 }

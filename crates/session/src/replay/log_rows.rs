@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use motorlink_i18n::Language;
-use motorlink_messages::recorder::{Filter, LogPage, Window};
+use motorlink_messages::{
+    recorder::{Filter, Window},
+    sessions::FromReplay,
+};
 use motorlink_protocol::Instant;
 use motorlink_recorder::Log;
 
@@ -25,7 +28,7 @@ pub(super) struct LogRows {
 /// What is next.
 #[derive(Debug)]
 pub(super) enum Rows {
-    Post(LogPage),
+    Post(FromReplay),
     /// There are more entries to filter.
     Work,
     Wait(Option<Instant>),
@@ -66,7 +69,10 @@ impl LogRows {
         if let Some(window) = window.filter(|_| due <= now) {
             self.is_changed = false;
             self.sent = Some(now);
-            return Rows::Post(log.page(window));
+            return Rows::Post(FromReplay::Log {
+                rows: Box::new(log.page(window)),
+                frame: log.newest_frame().map(Box::new),
+            });
         }
         if !log.is_filtered() {
             log.advance(ENTRIES_AT_ONCE);

@@ -180,7 +180,7 @@ impl Player {
         }
         let played = self.playing.map(Playing::due);
         match self.rows.poll(now, &mut self.track.log) {
-            Rows::Post(rows) => Todo::Post(FromReplay::Log(rows.into())),
+            Rows::Post(rows) => Todo::Post(rows),
             Rows::Work => Todo::Work,
             Rows::Wait(due) => Todo::Wait([played, due].into_iter().flatten().min()),
         }

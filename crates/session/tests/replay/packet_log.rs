@@ -1,7 +1,7 @@
 //! The packet log of a replay.
 
 use motorlink_messages::{
-    recorder::{Filter, Kind, LogPage, Window},
+    recorder::{Filter, Kind, LogPage, Row, Window},
     sessions::{FromReplay, ToReplay},
 };
 use motorlink_protocol::family::Model;
@@ -18,7 +18,7 @@ const NEWEST: Window = Window {
 
 fn pages(messages: &[FromReplay]) -> Vec<LogPage> {
     let pages = messages.iter().filter_map(|message| match message {
-        FromReplay::Log(page) => Some((**page).clone()),
+        FromReplay::Log { rows, .. } => Some((**rows).clone()),
         _ => None,
     });
     pages.collect()
@@ -30,6 +30,16 @@ fn ask(replay: &mut Replay<'_>, message: ToReplay) -> LogPage {
     replay.handle(message);
     replay.run(ms(100));
     pages(&replay.messages[before..]).pop().unwrap()
+}
+
+/// The last frame that was told.
+fn frame(replay: &Replay<'_>) -> Option<Row> {
+    let told = replay.messages.iter().rev();
+    let mut frames = told.filter_map(|message| match message {
+        FromReplay::Log { frame, .. } => Some(frame.as_deref().cloned()),
+        _ => None,
+    });
+    frames.next()?
 }
 
 fn file() -> Vec<u8> {
@@ -146,4 +156,43 @@ fn a_change_of_language_sends_the_rows_again() {
     let after = ask(&mut replay, ToReplay::SetLanguage { language, texts });
     assert_ne!(before.generation, after.generation);
     assert_eq!(before.rows.len(), after.rows.len());
+}
+
+#[test]
+fn the_frame_at_the_place_is_told_whatever_rows_are_shown() {
+    let file = file();
+    let mut replay = Replay::of(&file);
+    ask(&mut replay, ToReplay::ShowRows(NEWEST));
+    ask(
+        &mut replay,
+        ToReplay::Seek {
+            after_us: 2_000_000,
+        },
+    );
+    let first = frame(&replay).unwrap();
+    for _ in 0..3 {
+        // Other rows, and none: the filter matches nothing.
+        ask(
+            &mut replay,
+            ToReplay::ShowRows(Window {
+                first: Some(0),
+                rows: 1,
+            }),
+        );
+        assert_eq!(frame(&replay).unwrap().hex, first.hex);
+        let filter = Filter {
+            text: "no frame says this".to_owned(),
+            ..Filter::default()
+        };
+        let rows = ask(&mut replay, ToReplay::Filter(filter));
+        assert!(rows.rows.is_empty());
+        assert_eq!(frame(&replay).unwrap().hex, first.hex);
+    }
+    let stepped = |replay: &mut Replay<'_>| {
+        ask(replay, ToReplay::Step { forward: true });
+        frame(replay).unwrap()
+    };
+    let next: Vec<String> = (0..4).map(|_| stepped(&mut replay).time).collect();
+    assert!(next.is_sorted() && next[0] >= first.time, "{next:?}");
+    assert!(next[0] < next[3], "{next:?}");
 }
