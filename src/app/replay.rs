@@ -19,7 +19,7 @@ use crate::{
         session_file::player::{Instruments, Show},
         telemetry::fault_history::FaultHistory,
     },
-    model::{history::History, snapshot::Session, tab::Tab},
+    model::{history::History, names_and_sides::NamesAndSides, snapshot::Session, tab::Tab},
 };
 
 /// The live line while a recording is shown.
@@ -28,6 +28,7 @@ struct Live {
     history: History,
     faults: FaultHistory,
     log: LogFeed,
+    names: NamesAndSides,
     selected: MotorId,
     tab: Tab,
 }
@@ -40,7 +41,10 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
             return;
         };
         match what {
-            Show::Begin => *live = Some(features.set_live_aside()),
+            Show::Begin(names) => {
+                *live = Some(features.set_live_aside());
+                features.page.show_names_and_sides(names.clone());
+            }
             Show::Nothing => features.show_nothing(),
             Show::Recorded(update) => features.show_recorded(update, rover),
             Show::Past(samples) => {
@@ -85,6 +89,7 @@ impl Features {
             history: self.exchange_history(History::with_past()),
             faults: self.exchange_faults(FaultHistory::default()),
             log: self.log.exchange(LogFeed::default()),
+            names: page.motors.names.get_untracked(),
             selected: page.selected.get_untracked(),
             tab: page.loops.tab.get_untracked(),
         };
@@ -146,6 +151,7 @@ impl Features {
     fn show_live(self, live: Live, rover: Rover) {
         let page = self.page;
         page.latest.update_value(|latest| *latest = live.latest);
+        page.show_names_and_sides(live.names);
         self.exchange_history(live.history);
         self.exchange_faults(live.faults);
         self.log.exchange(live.log);

@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    ToWorker, VirtualLine,
+    Adapter, Connection, ToWorker, VirtualLine,
     bus::{Activity, Command},
     protocol::MotorId,
 };
@@ -114,13 +114,18 @@ impl Page {
         names_of_line::own(line) == line
     }
 
+    /// The names of a recording are not those of the motors of this browser.
     fn save_names(self) {
         let connection = self.latest.with_value(|session| session.connection);
+        if connection == Connection::Connected(Adapter::Recording) {
+            return;
+        }
         let names = self.motors.names;
         names.with_untracked(|names| names_of_line::save(names, connection.virtual_line()));
     }
 
-    fn show_names_and_sides(self, names: NamesAndSides) {
+    /// Shows other names and sides, without keeping them.
+    pub(crate) fn show_names_and_sides(self, names: NamesAndSides) {
         self.motors.names.set(names);
         self.motors.replaced.update(|times| *times += 1);
         // Its values may have another sign from now on.

@@ -128,6 +128,10 @@ pub fn info() -> SessionInfo {
         name: "run <b>.mcap".to_owned(),
         bytes: 1_200_000,
         version: "0.1.0".to_owned(),
+        setup: r#"{"motorlink_setup":1,"motors":[
+            {"id":1,"name":"Front left","side":"left","drives_together":true},
+            {"id":2,"name":"Front right","side":"right","drives_together":true}]}"#
+            .to_owned(),
         from_unix_us: 1_795_266_900_000_000,
         duration_us: 65_250_000,
         bucket_us: 1_000_000,

@@ -27,8 +27,10 @@ use crate::{
     link::{clock::Clock, sessions_link::SessionsLink, worker_link::WorkerState},
     model::{
         guards::{is_in_use, port_blocked_by},
+        names_and_sides::NamesAndSides,
         page::Page,
         replay,
+        setup::Setup,
     },
     ui::clock::{page_now_ms, page_origin_ms},
 };
@@ -39,8 +41,8 @@ pub(super) type Link = StoredValue<Option<SessionsLink>, LocalStorage>;
 /// What the instruments of the page have to do.
 #[derive(Clone, Copy)]
 pub(crate) enum Show<'a> {
-    /// Set the live line aside, and show nothing.
-    Begin,
+    /// Set the live line aside, and show nothing but these names and sides.
+    Begin(&'a NamesAndSides),
     /// Show nothing.
     Nothing,
     /// Show this state of the recording.
@@ -240,7 +242,8 @@ impl Player {
                 first,
             };
         }
-        self.show(Show::Begin);
+        let setup = Setup::from_json(info.setup.as_bytes()).unwrap_or_default();
+        self.show(Show::Begin(&setup.names.unwrap_or_default()));
     }
 
     /// Ends the replay, and shows the live line again.

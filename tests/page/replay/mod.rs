@@ -15,7 +15,7 @@ mod bookmarks;
 mod gate;
 
 use crate::{
-    bench::{Bench, document, motor, now, pause, performance, press},
+    bench::{Bench, document, motor, now, pause, performance, press, text_of},
     fake_recorder::FakeRecorder,
     fake_sessions::{FakeSessions, drop_file, info},
     log_bench::Style,
@@ -315,4 +315,32 @@ fn slider(bench: &Bench) -> HtmlInputElement {
     bench
         .find("slider", "Place in the recording")
         .unchecked_into()
+}
+
+#[wasm_bindgen_test]
+async fn a_recording_has_its_own_names_and_sides_and_those_of_the_page_come_back() {
+    let storage = web_sys::window().unwrap().local_storage();
+    let storage = storage.unwrap().unwrap();
+    let mine = "1\tno\tnone\tMine\t\n";
+    storage.set_item("motorlink.fleet", mine).unwrap();
+    let (_sessions, bench) = replaying("replay-names").await;
+    let shown = |name: &'static str| {
+        let bench = &bench;
+        move || text_of(&bench.find("region", "Motors")).contains(name)
+    };
+    bench.until("its name", shown("Front left")).await;
+    assert!(!shown("Mine")());
+    // A name that is typed meanwhile is one of the recording.
+    bench.click("Name and side of motor 0x01");
+    let field = || bench.find_all("textbox", "Name").into_iter().next();
+    bench.until("the field", || field().is_some()).await;
+    let field: HtmlInputElement = field().unwrap().unchecked_into();
+    field.set_value("Typed");
+    press("Enter");
+    bench.until("the typed name", shown("Typed")).await;
+    end_button(&bench).click();
+    until_live(&bench).await;
+    let kept = storage.get_item("motorlink.fleet").unwrap();
+    assert_eq!(kept.as_deref(), Some(mine));
+    storage.remove_item("motorlink.fleet").unwrap();
 }

@@ -174,6 +174,8 @@ pub struct SessionInfo {
     pub bytes: u64,
     /// The version of the page that wrote it; empty if it is unknown.
     pub version: String,
+    /// The setup of the page that wrote it, as JSON; empty if it is unknown.
+    pub setup: String,
     /// The time of the first record, in microseconds since 1970, UTC.
     pub from_unix_us: i64,
     /// Time from the first to the last record, in microseconds.

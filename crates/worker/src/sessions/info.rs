@@ -5,12 +5,12 @@ use std::time::Duration;
 use motorlink_kept_runs::RUNS_MAX;
 use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
 use motorlink_protocol::MotorId;
-use motorlink_session::{EventKind, Mark, MotorOverview};
+use motorlink_session::{EventKind, Mark, MotorOverview, Session};
 
-use super::open_session::OpenSession;
+use super::{open_session::OpenSession, saving::SETUP};
 
 /// The content of an open session.
-pub(super) fn info(open: &OpenSession) -> SessionInfo {
+pub(super) async fn info(open: &OpenSession) -> SessionInfo {
     let overview = &open.overview;
     let mut runs = open.session.runs().map(|run| run.name);
     let from_ns = overview.span_ns().map(|(from, _)| from);
@@ -23,6 +23,7 @@ pub(super) fn info(open: &OpenSession) -> SessionInfo {
             .get("page")
             .cloned()
             .unwrap_or_default(),
+        setup: setup(open).await.unwrap_or_default(),
         from_unix_us: i64::try_from(from_ns.unwrap_or_default() / 1_000).unwrap_or_default(),
         duration_us: micros(overview.duration()),
         bucket_us: micros(overview.bucket()),
@@ -37,6 +38,14 @@ pub(super) fn info(open: &OpenSession) -> SessionInfo {
         runs_left_out: runs.count() as u64,
         problems: open.problems.iter().collect(),
     }
+}
+
+/// The setup that is attached to the session, if it can be read.
+async fn setup(open: &OpenSession) -> Option<String> {
+    let range = open.session.attachment_range(SETUP)?;
+    let bytes = open.source.read(range).await.ok()?;
+    let setup = Session::attachment(&bytes).ok()?;
+    String::from_utf8(setup.to_vec()).ok()
 }
 
 fn motor((id, motor): (MotorId, &MotorOverview)) -> SessionMotor {

@@ -24,7 +24,7 @@ pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
     }
     match opened {
         Ok(open) => {
-            let about = info(&open);
+            let about = info(&open).await;
             {
                 let worker = &mut *shared.borrow_mut();
                 (worker.open, worker.replay) = (Some(open.into()), None);

@@ -25,6 +25,9 @@ use crate::recorder_request::RecorderRequest;
 /// Bytes per write: a chunk of the file.
 const PIECE: usize = 256 << 10;
 
+/// The name of the attached setup.
+pub(super) const SETUP: &str = "setup.json";
+
 /// The media type of MCAP files, which is not registered.
 pub(super) const MCAP: &str = "application/octet-stream";
 
@@ -166,7 +169,7 @@ async fn write_to(
     }
     let mut runs = RunsSaved::default();
     if let Some(mut writer) = writer {
-        writer.attach("setup.json", "application/json", order.setup.as_bytes());
+        writer.attach(SETUP, "application/json", order.setup.as_bytes());
         runs = runs::attach(&run_events, async |header, record| {
             if !kept.shared.borrow().is_saving {
                 return Err(NotSaved::Cancelled);
