@@ -55,9 +55,11 @@ impl Runs {
                 | Cause::PortClosed
                 | Cause::Scan
                 | Cause::OtherModel => &mut self.by_person,
-                Cause::Silent(_) | Cause::Fault(..) | Cause::Limit(..) | Cause::OtherLoop(..) => {
-                    &mut self.by_motor
-                }
+                Cause::Silent(_)
+                | Cause::Fault(..)
+                | Cause::Limit(..)
+                | Cause::OtherLoop(..)
+                | Cause::LeftDriven => &mut self.by_motor,
                 Cause::WaitTimedOut { .. } | Cause::Refused(_) | Cause::PausedTooLong => {
                     &mut self.by_plan
                 }

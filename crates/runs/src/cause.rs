@@ -44,7 +44,8 @@ const fn stopped(reason: StopReason) -> Cause {
         StopReason::Disconnect => Cause::PortClosed,
         StopReason::Job => Cause::Scan,
         StopReason::OtherModel => Cause::OtherModel,
-        StopReason::Operator | StopReason::OneMotor | StopReason::LeftDriven => Cause::Stopped,
+        StopReason::LeftDriven => Cause::LeftDriven,
+        StopReason::Operator | StopReason::OneMotor => Cause::Stopped,
     }
 }
 

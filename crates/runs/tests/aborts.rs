@@ -5,7 +5,10 @@ mod bench;
 
 use bench::{Bench, ONE, id, ms};
 use motorlink_bus::{Command, Consent, Limits, Repeat, StopReason};
-use motorlink_experiments::runner::{Cause, End, Options, Phase, SilentSteps};
+use motorlink_experiments::{
+    plan::Fleet,
+    runner::{Cause, End, Options, Phase, SilentSteps},
+};
 use motorlink_messages::runs::{FromRun, NotArmed, ToRun};
 use motorlink_protocol::{Mode, Request, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WireFaults;
@@ -263,6 +266,31 @@ fn a_run_of_each_model_ends_as_a_whole() {
             rests(&mut bench, &what);
         }
     }
+}
+
+/// Nobody here stops it: another motor, driven before, answers again.
+#[test]
+fn a_run_ends_as_told_when_another_motor_is_back_and_has_to_be_stopped() {
+    let mut bench = Bench::new(Model::Ddsm115, 2);
+    bench.command(drive(2));
+    bench.run(ms(500));
+    let power = |bench: &mut Bench, on| bench.world.motor_mut(id(2)).unwrap().power(on);
+    power(&mut bench, false);
+    // Its stop ends unconfirmed after its window.
+    bench.run(ms(5_000));
+    bench.message(&ToRun::Arm {
+        run: 7,
+        sequence: format!(r#"{{ "motorlink_sequence": 1, "steps": [{STEPS}] }}"#),
+        fleet: Fleet::of([ONE]),
+        options: OPTIONS,
+    });
+    bench.start();
+    bench.run(ms(800));
+    assert_eq!(bench.phase(), Some(Phase::Running));
+    power(&mut bench, true);
+    bench.run(ms(1_500));
+    assert_eq!(bench.cause(), Some(Cause::LeftDriven));
+    rests(&mut bench, "left driven");
 }
 
 #[test]

@@ -310,6 +310,7 @@ fn cause(cause: Cause, row: Option<usize>) -> String {
         Cause::PortClosed => tr!("the port was closed").to_owned(),
         Cause::Scan => tr!("a scan began").to_owned(),
         Cause::OtherModel => tr!("another motor model is set").to_owned(),
+        Cause::LeftDriven => tr!("a motor replied again and had to be stopped").to_owned(),
         Cause::ProgramFailed => tr!("the program that runs experiments failed").to_owned(),
     }
 }

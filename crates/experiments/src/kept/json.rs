@@ -160,6 +160,7 @@ const fn cause_name(cause: Cause) -> &'static str {
         Cause::PortClosed => "port_closed",
         Cause::Scan => "scan",
         Cause::OtherModel => "other_model",
+        Cause::LeftDriven => "left_driven",
         Cause::ProgramFailed => "program_failed",
     }
 }
@@ -258,6 +259,7 @@ fn outcome(name: &str, at: Instant, id: MotorId) -> Option<Outcome> {
         Cause::PortClosed,
         Cause::Scan,
         Cause::OtherModel,
+        Cause::LeftDriven,
         Cause::ProgramFailed,
     ];
     match name {

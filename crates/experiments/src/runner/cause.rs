@@ -65,6 +65,8 @@ pub enum Cause {
     Scan,
     /// The user chose another model, or the motor reported one.
     OtherModel,
+    /// A motor that had not answered was driven before. It answers again, and had to be stopped.
+    LeftDriven,
     /// The program that runs experiments failed.
     ProgramFailed,
 }
@@ -151,6 +153,7 @@ impl fmt::Display for Cause {
             Self::PortClosed => f.write_str("the port was closed"),
             Self::Scan => f.write_str("a scan began"),
             Self::OtherModel => f.write_str("another motor model is set"),
+            Self::LeftDriven => f.write_str("a motor replied again and had to be stopped"),
             Self::ProgramFailed => f.write_str("the program that runs experiments failed"),
         }
     }
