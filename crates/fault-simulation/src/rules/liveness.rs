@@ -93,6 +93,11 @@ impl Liveness {
         }
     }
 
+    /// A person asked for another loop, which ends the wait for a brake. What turned before is still unknown here.
+    pub(super) fn switches(&mut self, id: MotorId) {
+        self.unbraked.remove(&id);
+    }
+
     /// A person asked for something else of these motors.
     pub(super) fn asked(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
         self.unbraked.retain(|id, _| !is_asked(id));
