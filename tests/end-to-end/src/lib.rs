@@ -50,6 +50,7 @@ mod tab;
 mod view;
 mod wait;
 mod wire_log;
+mod worker;
 
 pub use adapter::{Adapter, Held, Usb};
 pub use bench::Bench;

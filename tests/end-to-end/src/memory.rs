@@ -1,16 +1,10 @@
 //! Measures the memory of a page and its workers.
 
-use std::sync::Arc;
-
-use anyhow::{Context, Result, anyhow};
-use chromiumoxide::cdp::browser_protocol::target::EventReceivedMessageFromTarget;
-use futures::{Stream, StreamExt};
+use anyhow::{Context, Result};
 use serde_json::{Value, json};
-use tokio::time::timeout;
 
-use crate::cdp::{Session, at};
+use crate::cdp::at;
 use crate::page::Page;
-use crate::wait::WAIT_MAX;
 
 /// Memory of a page or a worker in bytes, after garbage collection.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -58,78 +52,12 @@ impl Page {
     ///
     /// When there is no such worker, or it does not answer.
     pub fn memory_of_worker(&self, name: &str) -> Result<Memory> {
-        // From the page's own session: the browser's session lists the workers of all pages.
-        let targets = self.session.call(
-            "Target.getTargets",
-            json!({ "filter": [{ "type": "worker" }] }),
-        )?;
-        let targets = at(&targets, "/targetInfos").as_array();
-        for target in targets.map(Vec::as_slice).unwrap_or_default() {
-            let mut worker = Worker::attach(&self.session, at(target, "/targetId"))?;
-            let memory = worker.memory_if_named(name);
-            worker.detach();
-            if let Some(memory) = memory? {
-                return Ok(memory);
-            }
-        }
-        Err(anyhow!("the page has no worker {name:?}"))
-    }
-}
-
-/// A connection to one worker. chromiumoxide only has sessions of pages, so messages to a worker are wrapped in
-/// messages of its page's session.
-struct Worker<'a> {
-    page: &'a Session,
-    session_id: String,
-    received: Box<dyn Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin>,
-    next_call: u64,
-}
-
-impl<'a> Worker<'a> {
-    fn attach(page: &'a Session, target_id: &Value) -> Result<Self> {
-        let listening = page
-            .tab()
-            .event_listener::<EventReceivedMessageFromTarget>();
-        let received = page.blocking().wait("a worker's messages", listening)?;
-        let params = json!({ "targetId": target_id, "flatten": false });
-        let attached = page.call("Target.attachToTarget", params)?;
-        let session_id = at(&attached, "/sessionId").as_str();
-        Ok(Self {
-            page,
-            session_id: session_id.context("a worker without a session")?.to_owned(),
-            received: Box::new(received),
-            next_call: 0,
-        })
-    }
-
-    fn detach(self) {
-        // A worker that has ended is detached already.
-        let params = json!({ "sessionId": self.session_id });
-        let _ = self.page.call("Target.detachFromTarget", params);
-    }
-
-    fn memory_if_named(&mut self, name: &str) -> Result<Option<Memory>> {
-        let own = self.call("Runtime.evaluate", &json!({ "expression": "self.name" }))?;
-        if at(&own, "/result/value") != name {
-            return Ok(None);
-        }
-        let call = &mut |method, params: &Value| self.call(method, params);
-        Ok(Some(Memory {
-            script: script_bytes(call)?,
-            wasm: wasm_bytes(call)?,
-        }))
-    }
-
-    fn call(&mut self, method: &'static str, params: &Value) -> Result<Value> {
-        self.next_call += 1;
-        let id = self.next_call;
-        let message = json!({ "id": id, "method": method, "params": params });
-        let params = json!({ "sessionId": self.session_id, "message": message.to_string() });
-        self.page.call("Target.sendMessageToTarget", params)?;
-        let (received, session_id) = (&mut self.received, &self.session_id);
-        self.page.blocking().wait_plain(async {
-            let reply = timeout(WAIT_MAX, reply_to(id, session_id, received)).await;
-            reply.map_err(|_| anyhow!("no answer from a worker to {method} in {WAIT_MAX:?}"))?
+        self.with_worker(name, |worker| {
+            let call = &mut |method, params: &Value| worker.call(method, params);
+            Ok(Memory {
+                script: script_bytes(call)?,
+                wasm: wasm_bytes(call)?,
+            })
         })
     }
 }
@@ -163,25 +91,6 @@ fn wasm_bytes(call: &mut Call) -> Result<u64> {
     let sum = call("Runtime.callFunctionOn", &sum)?;
     let bytes = at(&sum, "/result/value").as_f64();
     Ok(whole(bytes.context("it does not tell of its memories")?))
-}
-
-/// The result of a call, among all messages of workers.
-async fn reply_to(
-    id: u64,
-    session_id: &str,
-    received: &mut (impl Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin),
-) -> Result<Value> {
-    while let Some(event) = received.next().await {
-        if event.session_id.inner() != session_id {
-            continue;
-        }
-        let reply: Value = serde_json::from_str(&event.message)?;
-        if reply.get("id").and_then(Value::as_u64) == Some(id) {
-            let result = reply.get("result").cloned();
-            return result.with_context(|| format!("refused: {}", event.message));
-        }
-    }
-    Err(anyhow!("the connection to the worker has ended"))
 }
 
 #[expect(
