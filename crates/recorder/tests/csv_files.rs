@@ -238,8 +238,8 @@ fn a_file_for_plotting_has_commanded_beside_measured_values() {
         at(1_531, heard(asked, None)),
     ];
     let expected = "\
-time,motor_1_speed_rpm,motor_1_current_a,motor_1_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_setpoint,motor_1_setpoint_mode,\
-motor_7_speed_rpm,motor_7_current_a,motor_7_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_setpoint,motor_7_setpoint_mode\r
+time,motor_1_unmirrored_speed_rpm,motor_1_unmirrored_current_a,motor_1_unmirrored_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_unmirrored_setpoint,motor_1_setpoint_mode,\
+motor_7_unmirrored_speed_rpm,motor_7_unmirrored_current_a,motor_7_unmirrored_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_unmirrored_setpoint,motor_7_setpoint_mode\r
 0.000000,,,,,,,,,100,0.002,125.6,33,2,0,,\r
 0.004000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
 0.010000,-100,-0.250,66.96,,1,8,,,,,,,,,,\r

@@ -307,7 +307,12 @@ fn every_file_can_be_wanted_at_once_and_none_twice() {
         })
         .collect();
     assert_eq!(exported, [Export::Log, Export::Telemetry, Export::Plot]);
-    assert!(caller.file.unwrap().starts_with("time,motor_1_speed_rpm,"));
+    assert!(
+        caller
+            .file
+            .unwrap()
+            .starts_with("time,motor_1_unmirrored_speed_rpm,")
+    );
 }
 
 #[test]

@@ -3,16 +3,17 @@
 //! | column | content |
 //! |---|---|
 //! | `time` | seconds since the first line, to the microsecond |
-//! | `motor_<id>_speed_rpm` | signed |
-//! | `motor_<id>_current_a` | signed, three decimals |
-//! | `motor_<id>_position_deg` | as in `telemetry_lines` |
+//! | `motor_<id>_unmirrored_speed_rpm` | signed |
+//! | `motor_<id>_unmirrored_current_a` | signed, three decimals |
+//! | `motor_<id>_unmirrored_position_deg` | as in `telemetry_lines` |
 //! | `motor_<id>_temperature_c` | only in replies to a feedback query |
 //! | `motor_<id>_mode` | 1 current, 2 velocity, 3 position |
 //! | `motor_<id>_fault_code` | byte 8 of the reply, as a decimal number |
-//! | `motor_<id>_setpoint` | what the motor was told: rpm, A or degrees, by its loop; empty without a command |
+//! | `motor_<id>_unmirrored_setpoint` | what the motor was told: rpm, A or degrees, by its loop; empty without a command |
 //! | `motor_<id>_setpoint_mode` | the loop of that command, as in `mode` |
 //!
-//! The cells of all other motors are empty.
+//! The cells of all other motors are empty. `unmirrored` is the sign of the motor itself: the page shows that of a mirrored
+//! motor reversed.
 
 use motorlink_protocol::{Detail, Instant, Reply, Rpm};
 
@@ -27,13 +28,13 @@ use crate::{
 
 /// The quantities of a motor, in the order of their columns.
 const QUANTITIES: [&str; 8] = [
-    "speed_rpm",
-    "current_a",
-    "position_deg",
+    "unmirrored_speed_rpm",
+    "unmirrored_current_a",
+    "unmirrored_position_deg",
     "temperature_c",
     "mode",
     "fault_code",
-    "setpoint",
+    "unmirrored_setpoint",
     "setpoint_mode",
 ];
 

@@ -14,13 +14,13 @@ use end_to_end::Frame;
 /// The columns of one motor.
 const PLOT_HEAD: [&str; 9] = [
     "time",
-    "motor_1_speed_rpm",
-    "motor_1_current_a",
-    "motor_1_position_deg",
+    "motor_1_unmirrored_speed_rpm",
+    "motor_1_unmirrored_current_a",
+    "motor_1_unmirrored_position_deg",
     "motor_1_temperature_c",
     "motor_1_mode",
     "motor_1_fault_code",
-    "motor_1_setpoint",
+    "motor_1_unmirrored_setpoint",
     "motor_1_setpoint_mode",
 ];
 
@@ -114,7 +114,7 @@ fn a_recording_is_exported_for_plotting_with_commanded_beside_measured_values() 
             _ => assert!(cells == told || cells == ["", ""], "{row:?}"),
         }
     }
-    let setpoints = plot.column("motor_1_setpoint")?;
+    let setpoints = plot.column("motor_1_unmirrored_setpoint")?;
     for setpoint in ["100", "-50", "0"] {
         assert!(setpoints.contains(&setpoint), "{setpoint}: {setpoints:?}");
     }
