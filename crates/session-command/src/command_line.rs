@@ -26,7 +26,7 @@ pub enum Action {
         /// The file.
         file: PathBuf,
     },
-    /// Converts a file.
+    /// Converts a file. Exit code 1 if something of it is missing or damaged.
     Export {
         /// The file.
         file: PathBuf,

@@ -9,18 +9,19 @@ use std::{
 
 use motorlink_recorder::Charset;
 use motorlink_session::{
-    About, Record, Source, Table, What, Writer, for_each_record, overview, report,
+    About, Problems, Record, Source, Table, What, Writer, for_each_record, overview, report,
 };
 
 use crate::{
     command_line::Format,
     file::{Failure, Opened},
+    info::exit_code,
 };
 
 /// Bytes per write.
 const PIECE: usize = 64 << 10;
 
-/// Writes a session in this format, to a file or the standard output.
+/// Writes a session in this format, to a file or the standard output. Exit code 1 if something of it is missing.
 pub fn export(
     opened: &mut Opened,
     format: Format,
@@ -30,39 +31,42 @@ pub fn export(
         || "standard output".to_owned(),
         |out| out.display().to_string(),
     );
-    write(opened, format, out).map_err(|error| Failure::Io(name, error))?;
-    let problems = opened.session.problems().and(&opened.imported);
+    let read = write(opened, format, out).map_err(|error| Failure::Io(name, error))?;
+    let problems = opened.problems().and(&read);
     eprint!("{problems}");
-    Ok(ExitCode::SUCCESS)
+    Ok(exit_code(&problems))
 }
 
-fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<()> {
+/// Returns what could not be read.
+fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<Problems> {
     let mut out: Box<dyn Write> = match out {
         Some(path) => Box::new(BufWriter::new(File::create(path)?)),
         None => Box::new(io::stdout().lock()),
     };
-    match format {
+    let read = match format {
         Format::Telemetry => table(opened, &mut out, Table::of_telemetry())?,
         Format::Log => {
             let charset = charset(opened)?;
-            table(opened, &mut out, Table::of_log(charset))?;
+            table(opened, &mut out, Table::of_log(charset))?
         }
         Format::Plot => {
-            let overview = overview(&mut opened.bytes, &opened.session)?;
-            table(opened, &mut out, Table::of_plot(&overview))?;
+            let (overview, _) = overview(&mut opened.bytes, &opened.session)?;
+            table(opened, &mut out, Table::of_plot(&overview))?
         }
         Format::Report => {
-            let overview = overview(&mut opened.bytes, &opened.session)?;
-            let problems = opened.session.problems().and(&opened.imported);
+            let (overview, read) = overview(&mut opened.bytes, &opened.session)?;
+            let problems = opened.problems().and(&read);
             let about = About {
                 name: &opened.name,
                 problems: &problems,
             };
             out.write_all(report(&overview, about).as_bytes())?;
+            read
         }
         Format::Mcap => mcap(opened, &mut out)?,
-    }
-    out.flush()
+    };
+    out.flush()?;
+    Ok(read)
 }
 
 /// The character set of a log, by the texts of all events.
@@ -77,24 +81,25 @@ fn charset(opened: &mut Opened) -> io::Result<Charset> {
     Ok(charset)
 }
 
-fn table(opened: &mut Opened, out: &mut impl Write, mut table: Table) -> io::Result<()> {
+fn table(opened: &mut Opened, out: &mut impl Write, mut table: Table) -> io::Result<Problems> {
     let mut lines = Vec::new();
     table.head(&mut lines);
-    each(opened, |record| {
+    let read = each(opened, |record| {
         table.record(&mut lines, record);
         pass_on(&mut lines, out)
     })?;
-    out.write_all(&lines)
+    out.write_all(&lines)?;
+    Ok(read)
 }
 
 /// Writes the session to a new session file: of a CSV file, or of the readable part of a damaged one. It keeps the
 /// setup and the experiment runs.
-fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
+fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<Problems> {
     let about = opened.session.about().clone();
     let about = about.iter().filter(|(name, _)| *name != "version");
     let about: Vec<(&str, &str)> = about.map(|(n, v)| (n.as_str(), v.as_str())).collect();
     let mut writer = Writer::new(0, &about);
-    each(opened, |record| {
+    let mut problems = each(opened, |record| {
         writer.record(record);
         if writer.written() >= PIECE {
             out.write_all(&writer.take())?;
@@ -110,22 +115,27 @@ fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
             continue;
         };
         let bytes = opened.bytes.read(range)?;
-        if let Ok(data) = motorlink_session::Session::attachment(&bytes) {
-            writer.attach(name, &attachment.media_type, data);
+        match motorlink_session::Session::attachment(&bytes) {
+            Ok(data) => writer.attach(name, &attachment.media_type, data),
+            Err(problem) => problems.add(problem),
         }
     }
-    out.write_all(&writer.finish())
+    out.write_all(&writer.finish())?;
+    Ok(problems)
 }
 
-/// Passes every record to `write`, up to the first that cannot be written.
-fn each(opened: &mut Opened, mut write: impl FnMut(&Record) -> io::Result<()>) -> io::Result<()> {
+/// Passes every record to `write`, up to the first that cannot be written. Returns what could not be read.
+fn each(
+    opened: &mut Opened,
+    mut write: impl FnMut(&Record) -> io::Result<()>,
+) -> io::Result<Problems> {
     let mut written = Ok(());
-    for_each_record(&mut opened.bytes, &opened.session, |record| {
+    let read = for_each_record(&mut opened.bytes, &opened.session, |record| {
         if written.is_ok() {
             written = write(&record);
         }
     })?;
-    written
+    written.map(|()| read)
 }
 
 fn pass_on(lines: &mut Vec<u8>, out: &mut impl Write) -> io::Result<()> {

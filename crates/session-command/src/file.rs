@@ -106,6 +106,11 @@ impl Opened {
             imported,
         })
     }
+
+    /// What is missing, as far as it is known without reading every record.
+    pub fn problems(&self) -> Problems {
+        self.session.problems().and(&self.imported)
+    }
 }
 
 fn import(bytes: &mut Bytes) -> io::Result<Result<(Vec<u8>, Problems), NotASession>> {

@@ -3,7 +3,7 @@
 use std::{io, process::ExitCode};
 
 use motorlink_recorder::push_iso;
-use motorlink_session::{Overview, Source, What, for_each_record, overview};
+use motorlink_session::{Overview, Problem, Problems, Source, What, for_each_record, overview};
 
 use crate::file::{Failure, Opened};
 
@@ -11,7 +11,7 @@ use crate::file::{Failure, Opened};
 pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
     let name = opened.name.clone();
     let io = |error: io::Error| Failure::Io(name.clone(), error);
-    let overview = overview(&mut opened.bytes, &opened.session).map_err(io)?;
+    let (overview, read) = overview(&mut opened.bytes, &opened.session).map_err(io)?;
     println!("file        {}, {} bytes", opened.name, opened.bytes.len());
     for (key, value) in opened.session.about() {
         println!("{key:11} {}", one_line(value));
@@ -22,8 +22,7 @@ pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
         let size = attachment.size;
         println!("attachment  {}, {size} bytes", one_line(&attachment.name));
     }
-    let problems = opened.session.problems().and(&opened.imported);
-    print!("{problems}");
+    print!("{}", opened.problems().and(&read));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -73,13 +72,22 @@ pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
     });
     let read = read.map_err(|error| Failure::Io(name, error))?;
     println!("{lines} entries of the line and {events} events read");
-    let problems = opened.session.problems().and(&opened.imported).and(&read);
+    let problems = opened.problems().and(&read);
     if problems.is_empty() {
         println!("no damage found");
-        return Ok(ExitCode::SUCCESS);
     }
     print!("{problems}");
-    Ok(ExitCode::FAILURE)
+    Ok(exit_code(&problems))
+}
+
+/// Exit code 1 if something is missing or damaged. Times without a date are as they were written.
+pub(crate) fn exit_code(problems: &Problems) -> ExitCode {
+    let mut missing = problems
+        .iter()
+        .filter(|(problem, _)| *problem != Problem::NoDate);
+    missing
+        .next()
+        .map_or(ExitCode::SUCCESS, |_| ExitCode::FAILURE)
 }
 
 fn iso(ns: u64) -> String {

@@ -171,7 +171,7 @@ fn every_format_is_written() {
     let fixture = Fixture::new();
     let plot = fixture.prints(&["export", "run.mcap"]);
     assert!(
-        plot.starts_with("time,motor_1_speed_rpm,motor_1_current_a,"),
+        plot.starts_with("time,motor_1_unmirrored_speed_rpm,motor_1_unmirrored_current_a,"),
         "{plot}"
     );
     assert_eq!(plot.lines().count(), 21);
@@ -235,4 +235,47 @@ fn what_is_no_session_is_refused_in_words() {
         assert!(error.contains(words), "{name}: {error}");
     }
     assert_eq!(fixture.run(&["info", "missing"]).status.code(), Some(2));
+}
+
+/// `run.mcap` with a damaged first chunk, and as another program compresses it.
+fn with_losses(fixture: &Fixture) -> [&'static str; 2] {
+    let whole = fs::read(fixture.path("run.mcap")).unwrap();
+    let name = whole.windows(7).position(|seven| seven == b"\x03\0\0\0lz4");
+    let name = name.unwrap();
+    let mut damaged = whole.clone();
+    damaged[name + 100] ^= 1;
+    fs::write(fixture.path("damaged.mcap"), damaged).unwrap();
+    // The chunk is longer by a byte, so no index fits. Without the end it has no overview either.
+    let mut zstd = whole;
+    zstd.splice(name..name + 7, *b"\x04\0\0\0zstd");
+    zstd[name - 36] += 1;
+    let overview = zstd.windows(13).position(|words| words == b"overview.json");
+    zstd.truncate(overview.unwrap());
+    fs::write(fixture.path("zstd.mcap"), zstd).unwrap();
+    ["damaged.mcap", "zstd.mcap"]
+}
+
+#[test]
+fn an_export_says_what_is_missing_and_fails() {
+    let fixture = Fixture::new();
+    let [damaged, zstd] = with_losses(&fixture);
+    for format in ["plot", "telemetry", "log", "mcap", "report"] {
+        for (file, words) in [
+            (damaged, "damaged and was left out"),
+            (zstd, "mcap compress --compression lz4"),
+        ] {
+            let output = fixture.run(&["export", file, "--format", format, "--out", "out"]);
+            let error = String::from_utf8(output.stderr).unwrap();
+            // The report of a file with its overview lacks nothing.
+            let is_whole = format == "report" && file == damaged;
+            let code = i32::from(!is_whole);
+            assert_eq!(output.status.code(), Some(code), "{file} {format}: {error}");
+            assert!(
+                is_whole || error.contains(words),
+                "{file} {format}: {error}"
+            );
+        }
+    }
+    let report = fs::read_to_string(fixture.path("out")).unwrap();
+    assert!(report.contains("mcap compress"), "{report}");
 }

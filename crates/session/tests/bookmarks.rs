@@ -16,7 +16,7 @@ use sample::{SETUP, file_of, read_file, records};
 fn copied(file: &[u8], bookmarks: &[Bookmark]) -> Vec<u8> {
     let mut source = file;
     let session = open(&mut source).unwrap().unwrap();
-    let overview = overview(&mut source, &session).unwrap();
+    let (overview, _) = overview(&mut source, &session).unwrap();
     let mut out = Vec::new();
     copy(&mut source, &session, &overview, bookmarks, |bytes| {
         out.extend(bytes);
@@ -28,7 +28,7 @@ fn copied(file: &[u8], bookmarks: &[Bookmark]) -> Vec<u8> {
 fn overview_of(file: &[u8]) -> Overview {
     let mut source = file;
     let session = open(&mut source).unwrap().unwrap();
-    overview(&mut source, &session).unwrap()
+    overview(&mut source, &session).unwrap().0
 }
 
 fn bookmark(after_us: u64, text: &str) -> Bookmark {
@@ -178,7 +178,7 @@ fn what_this_version_does_not_know_is_copied() {
     file.truncate(file.len() - 8);
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
-    let overview = overview(&mut source, &session).unwrap();
+    let (overview, _) = overview(&mut source, &session).unwrap();
     let mut copy_of_it = Vec::new();
     let bookmarks = [bookmark(20_000_000, "here")];
     copy(&mut source, &session, &overview, &bookmarks, |bytes| {
@@ -232,7 +232,19 @@ fn the_clock_that_was_set_does_not_move_a_bookmark() {
     assert!(before.utc_ns <= records[place].utc_ns && records[place].utc_ns <= after.utc_ns);
 }
 
-/// The copy of a damaged file is whole, and has what was readable.
+/// Copies a damaged file, and checks that the copy has everything that was readable.
+fn check_copy_of_damaged(damaged: &[u8], case: &str) {
+    let Some((before, _)) = read_file(damaged) else {
+        return;
+    };
+    let copy = copied(damaged, &[bookmark(3_000_000, "here")]);
+    let (after, _) = read_file(&copy).unwrap();
+    let (found, others): (Vec<_>, Vec<_>) = after.into_iter().partition(is_bookmark);
+    assert_eq!(found.len(), 1, "{case}");
+    let (copied, read) = (others.len(), before.len());
+    assert!(others == before, "{case}: {copied} of {read}");
+}
+
 #[test]
 fn a_damaged_file_is_copied_as_far_as_it_is_read() {
     let file = file_of(&records());
@@ -251,21 +263,27 @@ fn a_damaged_file_is_copied_as_far_as_it_is_read() {
         } else {
             damaged.truncate(random(file.len()));
         }
-        let Some((before, _)) = read_file(&damaged) else {
-            continue;
-        };
-        let bookmarks = [bookmark(3_000_000, "here")];
-        let copy = copied(&damaged, &bookmarks);
-        let (after, _) = read_file(&copy).unwrap();
-        let (found, others): (Vec<_>, Vec<_>) = after.into_iter().partition(is_bookmark);
-        assert_eq!(found.len(), 1, "case {case}");
-        assert!(
-            others == before,
-            "case {case}: {} of {}",
-            others.len(),
-            before.len()
-        );
+        check_copy_of_damaged(&damaged, &format!("case {case}"));
     }
+}
+
+/// A wrong bit in the head of a record looks like the end of the data, or its length reaches into the next chunk.
+#[test]
+fn a_wrong_bit_in_the_head_of_a_record_costs_that_record() {
+    let file = file_of(&records());
+    let mut at = 8;
+    let mut heads = 0;
+    while at + 9 <= file.len() - 8 {
+        for bit in 0..72 {
+            let mut damaged = file.clone();
+            damaged[at + bit / 8] ^= 1 << (bit % 8);
+            check_copy_of_damaged(&damaged, &format!("byte {at}, bit {bit}"));
+        }
+        let length = file[at + 1..at + 9].try_into().unwrap();
+        at += 9 + usize::try_from(u64::from_le_bytes(length)).unwrap();
+        heads += 1;
+    }
+    assert!(heads > 30, "{heads}");
 }
 
 proptest! {

@@ -14,7 +14,7 @@ fn files() -> [Vec<u8>; 2] {
     let file = file_of(&records());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
-    let overview = overview(&mut source, &session).unwrap();
+    let (overview, _) = overview(&mut source, &session).unwrap();
     let bookmark = Bookmark {
         after_us: 5_000_000,
         text: "gravel starts here".to_owned(),

@@ -88,7 +88,7 @@ fn the_stored_overview_is_that_of_every_record() {
     let file = file_of(&records());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
-    let stored = overview(&mut source, &session).unwrap();
+    let (stored, _) = overview(&mut source, &session).unwrap();
     let mut computed = Overview::default();
     read(&mut source, &session)
         .0
@@ -184,7 +184,7 @@ fn tables_have_a_line_for_each_record() {
     let file = file_of(&records());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
-    let overview = overview(&mut source, &session).unwrap();
+    let (overview, _) = overview(&mut source, &session).unwrap();
     let (records, _) = read(&mut source, &session);
 
     let mut csv = Vec::new();
@@ -208,7 +208,11 @@ fn tables_have_a_line_for_each_record() {
     let head = reader.headers().unwrap().clone();
     assert_eq!(
         (&head[0], &head[1], &head[9]),
-        ("time", "motor_1_speed_rpm", "motor_7_speed_rpm")
+        (
+            "time",
+            "motor_1_unmirrored_speed_rpm",
+            "motor_7_unmirrored_speed_rpm"
+        )
     );
     assert_eq!(head.len(), 17);
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
@@ -227,7 +231,7 @@ fn a_report_says_what_happened_and_needs_nothing_else() {
     let file = file_of(&records());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
-    let overview = overview(&mut source, &session).unwrap();
+    let (overview, _) = overview(&mut source, &session).unwrap();
     let problems = Problems::default();
     let about = About {
         name: "<run> & co",

@@ -156,7 +156,7 @@ fn read_hour(path: &Path, sum: &str) -> io::Result<()> {
         &millis(opened),
         opened < Duration::from_secs(3),
     );
-    let whole = overview(&mut source, &session)?;
+    let (whole, _) = overview(&mut source, &session)?;
     let pictured = began.elapsed();
     let buckets = whole
         .motors()

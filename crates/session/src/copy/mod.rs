@@ -1,8 +1,9 @@
 //! Copies a session file with other bookmarks. Everything else of the file stays as it is.
 //!
 //! A bookmark is an event in the channel `/events`, in the order of the monotonic clock. Only chunks that have one, or
-//! get one, are rewritten; every other record of the data is copied byte by byte, unknown ones too. The overview is
-//! replaced, because it has the bookmarks, and the summary, because it has the places of all records.
+//! get one, are rewritten; every other record of the data is copied byte by byte, unknown ones too. Messages outside of
+//! chunks become chunks, so that the copy has an index of them. The overview is replaced, because it has the bookmarks, and
+//! the summary, because it has the places of all records.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -42,6 +43,9 @@ const WINDOW: u64 = 1 << 20;
 /// A record up to this length is copied in one go. Longer ones, such as large attachments, are copied in pieces.
 const WHOLE_MAX: u64 = 2 * CHUNK_BYTES_MAX;
 
+/// Attachments at which a copy continues behind damage. A file has fewer; a hostile one could have any number.
+const ATTACHMENTS_MAX: usize = 1_000;
+
 /// Copies a file part by part. The caller reads what it needs and appends what it returns.
 pub struct Copying {
     len: u64,
@@ -53,8 +57,10 @@ pub struct Copying {
     passing: Option<u64>,
     /// Whether the indexes of the previous chunk are left out, because it was rewritten.
     skips_indexes: bool,
-    /// Where the known chunks begin: behind damage the copy continues at the next one.
-    chunks: Vec<u64>,
+    /// The chunks that the reader knows, in their order. Behind damage the copy continues at the next one, or at the next
+    /// attachment.
+    chunks: Vec<Known>,
+    attachments: Vec<u64>,
     topics: BTreeMap<u16, Topic>,
     events: Events,
     pending: Pending,
@@ -63,6 +69,14 @@ pub struct Copying {
     written: u64,
     crc: Digest<'static, u32>,
     is_done: bool,
+}
+
+/// A chunk that the reader knows, or messages outside of chunks.
+#[derive(Clone, Copy)]
+struct Known {
+    offset: u64,
+    length: u64,
+    is_loose: bool,
 }
 
 /// The next result of a copy.
@@ -90,6 +104,12 @@ impl Copying {
     pub fn new(session: &Session, overview: &Overview, len: u64, bookmarks: &[Bookmark]) -> Self {
         let bookmarks = sorted(bookmarks);
         let first = overview.begins().unwrap_or_default();
+        let chunks = session.chunk_indexes().iter().map(|chunk| Known {
+            offset: chunk.offset,
+            length: chunk.length,
+            is_loose: chunk.is_loose,
+        });
+        let attachments = session.attachment_offsets().take(ATTACHMENTS_MAX);
         Self {
             len,
             at: 0,
@@ -97,7 +117,8 @@ impl Copying {
             buffer_at: 0,
             passing: None,
             skips_indexes: false,
-            chunks: session.chunk_offsets().collect(),
+            chunks: chunks.collect(),
+            attachments: attachments.collect(),
             topics: session.topics().clone(),
             events: Events::of(session.topics()),
             pending: Pending::new(&bookmarks, first),
@@ -177,6 +198,12 @@ impl Copying {
                 Err(range) => Advance::Needs(range),
             };
         }
+        let at = self.at;
+        let place = self.chunks.partition_point(|chunk| chunk.offset < at);
+        let chunk = self.chunks.get(place).copied();
+        if let Some(chunk) = chunk.filter(|chunk| chunk.offset == at) {
+            return self.known_chunk(chunk, out);
+        }
         let have = match self.have(RECORD_HEAD_LEN) {
             Ok(have) => have,
             Err(range) => return Advance::Needs(range),
@@ -187,10 +214,17 @@ impl Copying {
         };
         let ends = self.at.checked_add(RECORD_HEAD_LEN);
         let ends = ends.and_then(|at| at.checked_add(length));
-        let Some(end) = ends.filter(|end| *end <= self.len && opcode != 0) else {
-            return self.resume(out);
+        // A record that reaches into a known one, or ends the data before it, is damaged.
+        let attachments = self.attachments.iter().copied();
+        let next = attachments.filter(|offset| *offset > at);
+        let next = next.chain(chunk.map(|chunk| chunk.offset)).min();
+        let limit = next.unwrap_or(self.len).min(self.len);
+        let is_end = matches!(opcode, op::DATA_END | op::FOOTER);
+        let is_damaged = opcode == 0 || is_end && next.is_some();
+        let Some(end) = ends.filter(|end| *end <= limit && !is_damaged) else {
+            return next.map_or(Advance::End, |next| self.pass(next, out));
         };
-        if matches!(opcode, op::DATA_END | op::FOOTER) {
+        if is_end {
             return Advance::End;
         }
         // Of a longer one the head is enough.
@@ -229,13 +263,28 @@ impl Copying {
         Advance::Copied
     }
 
-    /// Copies damaged bytes up to the next known chunk.
-    fn resume(&mut self, out: &mut Vec<u8>) -> Advance {
-        let next = self.chunks.iter().find(|offset| **offset > self.at);
-        match next.copied() {
-            Some(next) => self.pass(next, out),
-            None => Advance::End,
+    /// Copies a chunk by its length in the index. The length in its head may be damaged.
+    fn known_chunk(&mut self, chunk: Known, out: &mut Vec<u8>) -> Advance {
+        let length = chunk.length;
+        let bytes = match self.have(length) {
+            Ok(have) => have.get(..usize::try_from(length).unwrap_or_default()),
+            Err(range) => return Advance::Needs(range),
+        };
+        let bytes = bytes.unwrap_or_default().to_vec();
+        if (bytes.len() as u64) < length {
+            return Advance::End;
         }
+        self.at += length;
+        let mut records = Fields(&bytes);
+        if chunk.is_loose {
+            let chunk = self.chunk(&bytes);
+            self.put_chunk(&chunk, out);
+        } else if matches!(records.record(), Some((op::CHUNK, _)) if records.0.is_empty()) {
+            self.record(op::CHUNK, &bytes, out);
+        } else {
+            out.extend(bytes);
+        }
+        Advance::Copied
     }
 
     fn record(&mut self, opcode: u8, whole: &[u8], out: &mut Vec<u8>) {
@@ -244,7 +293,8 @@ impl Copying {
         }
         self.skips_indexes &= opcode == op::MESSAGE_INDEX;
         if opcode == op::CHUNK {
-            if let Some(chunk) = self.chunk(whole) {
+            if let Ok(raw) = decompressed(whole) {
+                let chunk = self.chunk(&raw);
                 self.skips_indexes = chunk.is_changed;
                 if chunk.is_changed {
                     return self.put_chunk(&chunk, out);
@@ -262,10 +312,9 @@ impl Copying {
         out.extend(whole);
     }
 
-    /// Its records, with the bookmarks; `None` if it cannot be read.
-    fn chunk(&mut self, whole: &[u8]) -> Option<Chunk> {
-        let raw = decompressed(whole).ok()?;
-        let chunk = Chunk::copy(&raw, &mut self.topics, &self.events, &mut self.pending);
+    /// A chunk of these records, with the bookmarks.
+    fn chunk(&mut self, raw: &[u8]) -> Chunk {
+        let chunk = Chunk::copy(raw, &mut self.topics, &self.events, &mut self.pending);
         for (opcode, id, content) in &chunk.declared {
             let known = match *opcode {
                 op::SCHEMA => &mut self.index.schemas,
@@ -276,7 +325,7 @@ impl Copying {
         for (channel, messages) in &chunk.indexes {
             *self.index.messages.entry(*channel).or_default() += messages.len() as u64;
         }
-        Some(chunk)
+        chunk
     }
 
     fn put_chunk(&mut self, chunk: &Chunk, out: &mut Vec<u8>) {

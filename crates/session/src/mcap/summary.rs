@@ -20,6 +20,8 @@ pub(crate) struct ChunkIndex {
     pub(crate) compression: String,
     pub(crate) compressed_size: u64,
     pub(crate) size: u64,
+    /// It is no chunk: messages that follow each other outside of chunks, which are read as one.
+    pub(crate) is_loose: bool,
 }
 
 impl ChunkIndex {
@@ -58,6 +60,7 @@ impl ChunkIndex {
             compression: fields.text()?.to_owned(),
             compressed_size: fields.u64()?,
             size: fields.u64()?,
+            is_loose: false,
         })
     }
 
@@ -74,7 +77,36 @@ impl ChunkIndex {
             compression: head.compression.to_owned(),
             compressed_size: head.compressed_size,
             size: head.size,
+            is_loose: false,
         })
+    }
+
+    /// The messages outside of chunks that begin with one at this offset, without it.
+    pub(crate) const fn of_loose(offset: u64, log_ns: u64) -> Self {
+        Self {
+            from_ns: log_ns,
+            to_ns: log_ns,
+            offset,
+            length: 0,
+            message_indexes: Vec::new(),
+            index_length: 0,
+            compression: String::new(),
+            compressed_size: 0,
+            size: 0,
+            is_loose: true,
+        }
+    }
+
+    /// Takes another message behind them.
+    pub(crate) const fn add_loose(&mut self, length: u64, log_ns: u64) {
+        self.length = self.length.saturating_add(length);
+        self.size = self.length;
+        if log_ns < self.from_ns {
+            self.from_ns = log_ns;
+        }
+        if log_ns > self.to_ns {
+            self.to_ns = log_ns;
+        }
     }
 }
 

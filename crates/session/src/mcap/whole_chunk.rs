@@ -63,6 +63,7 @@ impl WholeChunk<'_> {
             compression: LZ4.to_owned(),
             compressed_size: compressed.len() as u64,
             size,
+            is_loose: false,
         }
     }
 }

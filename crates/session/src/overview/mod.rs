@@ -232,9 +232,11 @@ impl Overview {
         Some((self.first?.1, self.last?.1))
     }
 
-    /// Every motor that was sent a frame or replied.
+    /// Every motor that replied, or that lost a request. An address that was only scanned is no motor: a scan reports no
+    /// lost request.
     pub fn motors(&self) -> impl Iterator<Item = (MotorId, &MotorOverview)> {
-        self.motors.iter().map(|(id, motor)| (*id, motor))
+        let motors = self.motors.iter().map(|(id, motor)| (*id, motor));
+        motors.filter(|(_, motor)| motor.replies > 0 || motor.lost > 0)
     }
 
     /// Replaces the events, and adds to the number of those that are left out.

@@ -57,7 +57,7 @@ impl Overview {
     pub fn to_json(&self) -> String {
         let moment =
             |moment: Option<(Instant, u64)>| moment.map(|(at, utc_ns)| [at.as_micros(), utc_ns]);
-        let motors = nojson::array(|f| f.elements(self.motors.iter().map(|(id, m)| Motor(*id, m))));
+        let motors = nojson::array(|f| f.elements(self.motors().map(|(id, m)| Motor(id, m))));
         let json = nojson::object(|f| {
             f.member("version", VERSION)?;
             f.member("bucket_us", self.bucket_us)?;

@@ -75,6 +75,31 @@ fn events_are_marks_and_silence_is_counted() {
     );
 }
 
+/// A scan asks every address and reports no silence.
+#[test]
+fn an_address_that_was_only_scanned_is_no_motor() {
+    let query = |id| Frame::with_crc([id, 0x74, 0, 0, 0, 0, 0, 0, 0]);
+    let sent = |id| LineEventKind::Sent {
+        frame: query(id),
+        mode: None,
+    };
+    let mut records: Vec<_> = (1..=254)
+        .map(|id| record(u64::from(id) * 1_000, What::Line(sent(id))))
+        .collect();
+    let silence = LineEventKind::Silence {
+        id: MotorId::new(9).unwrap(),
+        waited_us: 8_000,
+    };
+    records.push(record(300_000, What::Line(silence)));
+    records.push(reply(301_000, 7, 50));
+    let overview = overview(&records);
+    let stored = Overview::from_json(overview.to_json().as_bytes()).unwrap();
+    for overview in [overview, stored] {
+        let ids: Vec<_> = overview.motors().map(|(id, _)| id.get()).collect();
+        assert_eq!((ids, overview.sent), (vec![7, 9], 254));
+    }
+}
+
 #[test]
 fn marks_have_a_bound() {
     let event = |n| record(n, What::Event(Event::new(EventKind::Notice, "x")));

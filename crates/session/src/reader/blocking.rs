@@ -72,18 +72,21 @@ pub fn for_each_record<S: Source>(
     }
 }
 
-/// The stored overview. If there is none, it is computed from every record.
+/// The stored overview. If there is none, it is computed from every record; then what could not be read is returned too.
 ///
 /// # Errors
 /// Those of the source.
-pub fn overview<S: Source>(source: &mut S, session: &Session) -> Result<Overview, S::Error> {
+pub fn overview<S: Source>(
+    source: &mut S,
+    session: &Session,
+) -> Result<(Overview, Problems), S::Error> {
     if let Some(range) = session.overview_range() {
         let bytes = source.read(range)?;
         if let Some(overview) = Session::stored_overview(&bytes) {
-            return Ok(overview);
+            return Ok((overview, Problems::default()));
         }
     }
     let mut overview = Overview::default();
-    for_each_record(source, session, |record| overview.add(&record))?;
-    Ok(overview)
+    let problems = for_each_record(source, session, |record| overview.add(&record))?;
+    Ok((overview, problems))
 }

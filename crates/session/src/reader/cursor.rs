@@ -32,6 +32,8 @@ const SPAN_NS: u64 = 1_000_000_000;
 #[derive(Debug)]
 pub struct Cursor {
     next_chunk: usize,
+    /// Whether the requested bytes are messages outside of chunks.
+    is_loose: bool,
     chunk: Vec<u8>,
     /// Number of bytes of the chunk that were read.
     read: usize,
@@ -61,6 +63,7 @@ impl Cursor {
     pub fn new(session: &Session) -> Self {
         Self {
             next_chunk: 0,
+            is_loose: false,
             chunk: Vec::new(),
             read: 0,
             records: VecDeque::new(),
@@ -105,10 +108,15 @@ impl Cursor {
                 }
             }
             if !self.read_message() {
-                return match session.chunks.get(self.next_chunk) {
-                    Some(chunk) => Next::Read(chunk.offset..chunk.offset + chunk.length),
-                    None => Next::End,
+                let Some(chunk) = session.chunks.get(self.next_chunk) else {
+                    // A summary need not repeat the channels, so only here it is known that none is ours.
+                    if self.topics.is_empty() && !session.is_known() && self.problems.is_empty() {
+                        self.problems.add(Problem::NoSession);
+                    }
+                    return Next::End;
                 };
+                self.is_loose = chunk.is_loose;
+                return Next::Read(chunk.offset..chunk.offset + chunk.length);
             }
         }
     }
@@ -118,6 +126,10 @@ impl Cursor {
         self.next_chunk += 1;
         self.read = 0;
         self.chunk.clear();
+        if self.is_loose {
+            self.chunk.extend(bytes);
+            return;
+        }
         match decompressed(bytes) {
             Ok(chunk) => self.chunk = chunk,
             Err(problem) => self.problems.add(problem),

@@ -47,6 +47,8 @@ pub struct Session {
     chunks: Vec<ChunkIndex>,
     attachments: Vec<AttachmentIndex>,
     topics: BTreeMap<u16, Topic>,
+    /// Whether the summary has channels. Not every writer repeats them there.
+    has_channels: bool,
     about: BTreeMap<String, String>,
     problems: Problems,
 }
@@ -107,13 +109,24 @@ impl Session {
 
     /// Number of chunks in the index.
     #[must_use]
-    pub const fn chunks(&self) -> usize {
-        self.chunks.len()
+    pub fn chunks(&self) -> usize {
+        self.chunks.iter().filter(|chunk| !chunk.is_loose).count()
     }
 
-    /// Where the chunks begin.
-    pub(crate) fn chunk_offsets(&self) -> impl Iterator<Item = u64> {
-        self.chunks.iter().map(|chunk| chunk.offset)
+    /// The chunks, and messages outside of chunks.
+    pub(crate) fn chunk_indexes(&self) -> &[ChunkIndex] {
+        &self.chunks
+    }
+
+    /// Where the attachments begin.
+    pub(crate) fn attachment_offsets(&self) -> impl Iterator<Item = u64> {
+        self.attachments.iter().map(|index| index.offset)
+    }
+
+    /// Whether it is known without reading chunks that this is or is not a session.
+    fn is_known(&self) -> bool {
+        let is_ours = !self.topics.is_empty() || !self.about.is_empty();
+        is_ours || self.has_channels || self.chunks.is_empty()
     }
 
     /// The channels that the reader uses.

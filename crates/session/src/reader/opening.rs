@@ -121,21 +121,30 @@ impl Opening {
             Some(start) if start > 0 && start < end && end - start <= SUMMARY_BYTES_MAX => {
                 Stage::Summary(start..end)
             }
-            Some(_) => self.scan(Problem::IndexDamaged),
-            None => self.scan(Problem::Cut),
+            // A file need not have a summary.
+            Some(0) => self.scan(None),
+            Some(_) => self.scan(Some(Problem::IndexDamaged)),
+            None => self.scan(Some(Problem::Cut)),
         }
     }
 
-    fn scan(&mut self, because: Problem) -> Stage {
+    fn scan(&mut self, because: Option<Problem>) -> Stage {
         self.session = Session::default();
-        self.session.problems.add(because);
+        if let Some(problem) = because {
+            self.session.problems.add(problem);
+        }
         Stage::Scan(Scan::default())
     }
 
     fn summary(&mut self, range: &Range<u64>, bytes: &[u8]) -> Stage {
         let Some(metadata) = read_summary(bytes, range.start, &mut self.session) else {
-            return self.scan(Problem::IndexDamaged);
+            return self.scan(Some(Problem::IndexDamaged));
         };
+        // Nor need it have chunks, or an index of them.
+        let may_be_ours = !self.session.topics.is_empty() || !self.session.has_channels;
+        if self.session.chunks.is_empty() && may_be_ours {
+            return self.scan(None);
+        }
         let metadata = metadata
             .iter()
             .rfind(|index| index.name == format::METADATA);
@@ -158,7 +167,7 @@ impl Opening {
             _ => return Err(NotASession::Other),
         }
         let mut session = session;
-        if session.topics.is_empty() {
+        if session.topics.is_empty() && session.about.is_empty() && session.is_known() {
             session.problems.add(Problem::NoSession);
         }
         Ok(session)
@@ -171,9 +180,11 @@ fn sort(head: &[u8]) -> Result<(), NotASession> {
         return Ok(());
     }
     let (name, behind) = MAGIC.split_at(5);
-    let is_text = !head
-        .iter()
-        .any(|byte| *byte < b' ' && !byte.is_ascii_whitespace());
+    let is_utf_16 = matches!(head, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]);
+    let is_text = is_utf_16
+        || !head
+            .iter()
+            .any(|byte| *byte < b' ' && !byte.is_ascii_whitespace());
     Err(match head {
         [] => NotASession::Empty,
         [b'P', b'K', 3 | 5 | 7, 4 | 6 | 8, ..] => NotASession::Zip,

@@ -9,7 +9,8 @@ use motorlink_messages::sessions::Problem;
 pub struct Problems(BTreeMap<Problem, u64>);
 
 impl Problems {
-    pub(crate) fn add(&mut self, problem: Problem) {
+    /// Adds a problem.
+    pub fn add(&mut self, problem: Problem) {
         self.add_all(problem, 1);
     }
 

@@ -1,4 +1,5 @@
-//! Rebuilds the index of a file whose end is missing: it reads the heads of all records from the start.
+//! Makes the index of a file that has none, such as one whose end is missing: it reads the heads of all records from the
+//! start.
 
 use std::ops::Range;
 
@@ -13,10 +14,17 @@ use crate::mcap::{
 /// Bytes per request. They contain the whole head of a record.
 const WINDOW: u64 = 64 << 10;
 
+/// Bytes of messages outside of chunks that are read at once, unless one is longer.
+const LOOSE_MAX: u64 = 512 << 10;
+
 /// The progress of a scan.
 #[derive(Debug)]
 pub(super) struct Scan {
     at: u64,
+    /// The opcode of the record before.
+    before: u8,
+    /// Messages outside of chunks, up to here.
+    loose: Option<ChunkIndex>,
     /// Whether the end of the data was reached, after which the summary begins.
     pub(super) is_whole: bool,
 }
@@ -25,6 +33,8 @@ impl Default for Scan {
     fn default() -> Self {
         Self {
             at: MAGIC.len() as u64,
+            before: op::HEADER,
+            loose: None,
             is_whole: false,
         }
     }
@@ -55,6 +65,14 @@ impl Scan {
 
     /// Takes the bytes of [`Self::range`]. Returns whether the scan is complete.
     pub(super) fn supply(&mut self, len: u64, bytes: &[u8], session: &mut Session) -> bool {
+        let is_complete = self.read(len, bytes, session);
+        if is_complete {
+            self.end_loose(len, session);
+        }
+        is_complete
+    }
+
+    fn read(&mut self, len: u64, bytes: &[u8], session: &mut Session) -> bool {
         let start = self.at;
         if bytes.is_empty() {
             return true;
@@ -66,7 +84,7 @@ impl Scan {
             };
             // A window that begins at the record contains all of its head.
             let has_head = skipped == 0 || self.at + window.len() as u64 >= len;
-            match record(self.at, len, window, session) {
+            match self.record(len, window, session) {
                 Found::Next(at) => self.at = at,
                 Found::More if has_head => return true,
                 Found::More => return false,
@@ -78,57 +96,81 @@ impl Scan {
             }
         }
     }
-}
 
-fn record(at: u64, len: u64, window: &[u8], session: &mut Session) -> Found {
-    let mut fields = Fields(window);
-    let (Some(opcode), Some(length)) = (fields.u8(), fields.u64()) else {
-        return Found::More;
-    };
-    let known = op::HEADER..=op::DATA_END;
-    if !known.contains(&opcode) {
-        session.problems.add(Problem::RecordDamaged);
-        return Found::End;
-    }
-    let end = at
-        .checked_add(RECORD_HEAD_LEN)
-        .and_then(|at| at.checked_add(length));
-    let Some(end) = end.filter(|end| *end <= len) else {
-        // The file is truncated in this record, or its length is damaged.
-        return Found::End;
-    };
-    let is_near = |bytes: u64| fields.0.len() as u64 >= bytes.min(length);
-    match opcode {
-        op::CHUNK => {
-            if !is_near(ChunkHead::LEN_MAX) {
-                return Found::More;
+    fn record(&mut self, len: u64, window: &[u8], session: &mut Session) -> Found {
+        let at = self.at;
+        let mut fields = Fields(window);
+        let (Some(opcode), Some(length)) = (fields.u8(), fields.u64()) else {
+            return Found::More;
+        };
+        let end = at
+            .checked_add(RECORD_HEAD_LEN)
+            .and_then(|at| at.checked_add(length));
+        let Some(end) = end.filter(|end| *end <= len && opcode != 0) else {
+            // The file is truncated in this record, or its head is damaged.
+            if !(op::HEADER..=op::DATA_END).contains(&opcode) {
+                session.problems.add(Problem::RecordDamaged);
             }
-            match ChunkIndex::of_chunk(at, length, fields.0) {
+            return Found::End;
+        };
+        let is_near = |bytes: u64| fields.0.len() as u64 >= bytes.min(length);
+        let needed = match opcode {
+            op::CHUNK | op::MESSAGE => ChunkHead::LEN_MAX,
+            op::ATTACHMENT | op::CHANNEL | op::METADATA => WINDOW / 2,
+            // Others are skipped, also those that this version does not know.
+            _ => 0,
+        };
+        if !is_near(needed) {
+            return Found::More;
+        }
+        if opcode != op::MESSAGE {
+            self.end_loose(len, session);
+        }
+        match opcode {
+            op::CHUNK => match ChunkIndex::of_chunk(at, length, fields.0) {
                 Some(chunk) => session.add_chunk(chunk, len),
                 None => session.problems.add(Problem::ChunkDamaged),
+            },
+            op::MESSAGE => self.add_loose(end - at, fields, len, session),
+            // What was before it should be a chunk.
+            op::MESSAGE_INDEX if !matches!(self.before, op::CHUNK | op::MESSAGE_INDEX) => {
+                session.problems.add(Problem::ChunkDamaged);
             }
+            op::ATTACHMENT => {
+                if let Some(attachment) = AttachmentIndex::of_attachment(at, length, fields.0) {
+                    session.add_attachment(attachment);
+                }
+            }
+            op::METADATA => session.read_metadata(window),
+            op::CHANNEL => session.read_channel(fields.0),
+            // A summary follows, which is missing or damaged.
+            op::DATA_END => return Found::DataEnd,
+            _ => {}
         }
-        op::ATTACHMENT => {
-            if !is_near(WINDOW / 2) {
-                return Found::More;
-            }
-            if let Some(attachment) = AttachmentIndex::of_attachment(at, length, fields.0) {
-                session.add_attachment(attachment);
-            }
-        }
-        op::CHANNEL | op::METADATA => {
-            if !is_near(WINDOW / 2) {
-                return Found::More;
-            }
-            if opcode == op::METADATA {
-                session.read_metadata(window);
-            } else {
-                session.read_channel(fields.0);
-            }
-        }
-        // The summary follows, which was found damaged.
-        op::DATA_END => return Found::DataEnd,
-        _ => {}
+        self.before = opcode;
+        Found::Next(end)
     }
-    Found::Next(end)
+
+    /// Takes a message outside of chunks.
+    fn add_loose(&mut self, length: u64, mut content: Fields<'_>, len: u64, session: &mut Session) {
+        let log_ns = content.u16().and(content.u32()).and(content.u64());
+        let Some(log_ns) = log_ns else {
+            return session.problems.add(Problem::MessageDamaged);
+        };
+        let is_full = |loose: &ChunkIndex| loose.length.saturating_add(length) > LOOSE_MAX;
+        if self.loose.as_ref().is_some_and(is_full) {
+            self.end_loose(len, session);
+        }
+        let at = self.at;
+        let loose = self
+            .loose
+            .get_or_insert_with(|| ChunkIndex::of_loose(at, log_ns));
+        loose.add_loose(length, log_ns);
+    }
+
+    fn end_loose(&mut self, len: u64, session: &mut Session) {
+        if let Some(loose) = self.loose.take() {
+            session.add_chunk(loose, len);
+        }
+    }
 }

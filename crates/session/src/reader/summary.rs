@@ -45,7 +45,10 @@ pub(super) fn read_summary(
     let mut records = Fields(bytes);
     while let Some((opcode, content)) = records.record() {
         match opcode {
-            op::CHANNEL => session.read_channel(content),
+            op::CHANNEL => {
+                session.has_channels = true;
+                session.read_channel(content);
+            }
             op::CHUNK_INDEX => session.add_chunk(ChunkIndex::read(content)?, start),
             op::ATTACHMENT_INDEX => session.add_attachment(AttachmentIndex::read(content)?),
             op::METADATA_INDEX => metadata.push(MetadataIndex::read(content)?),

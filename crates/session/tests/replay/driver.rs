@@ -31,7 +31,7 @@ impl<'a> Replay<'a> {
     pub fn with(file: &'a [u8], look_back: LookBack) -> Option<Self> {
         let mut source = file;
         let session = open(&mut source).unwrap().ok()?;
-        let whole = overview(&mut source, &session).unwrap();
+        let (whole, _) = overview(&mut source, &session).unwrap();
         let local_time = LocalTime::fixed(60);
         let player = Player::with_look_back(&session, &whole, local_time, look_back);
         let mut replay = Self {
