@@ -24,6 +24,7 @@ mod angle_fit;
 mod broadcast;
 mod bus;
 mod bus_status;
+mod carried_rate;
 mod command;
 mod command_kind;
 mod counters;
@@ -80,6 +81,7 @@ mod window_end;
 mod withheld;
 
 pub use bus::{Bus, Output};
+pub use carried_rate::CarriedRate;
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
 pub use command_kind::CommandKind;
 pub use counters::{Counters, LinkQuality};

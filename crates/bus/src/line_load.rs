@@ -8,8 +8,43 @@ use crate::{
     bus::Bus,
     line_use::LineStatus,
     motor::Motor,
+    rate::CommandRate,
     timing::{BUSY_PER_MILLE, BUSY_QUERY_PERIOD, QUERY_PERIOD},
 };
+
+/// How long the exchanges with the motors of a line take, in microseconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Load {
+    /// One exchange with each driven motor.
+    pub(crate) driven_us: u64,
+    /// One exchange with each motor that is queried.
+    pub(crate) asked_us: u64,
+}
+
+impl Load {
+    /// Share of the line that the drive frames need at this rate, per mille. May exceed 1,000.
+    fn drive_need(self, rate: CommandRate) -> u64 {
+        self.driven_us * u64::from(rate.hertz()) / 1_000
+    }
+
+    /// Time between two queries of a motor that answers. Drive frames go first: when they need much
+    /// of the line, queries become rarer.
+    fn query_period(self, rate: CommandRate) -> Duration {
+        if self.drive_need(rate) < u64::from(BUSY_PER_MILLE) {
+            QUERY_PERIOD
+        } else {
+            BUSY_QUERY_PERIOD
+        }
+    }
+
+    /// Drive frames of each driven motor in 1,000 seconds, if the line cannot carry this rate.
+    pub(crate) fn carries(self, rate: CommandRate) -> Option<u64> {
+        let period_us = u64::try_from(self.query_period(rate).as_micros()).unwrap_or(u64::MAX);
+        let free_us = 1_000_000_u64.saturating_sub(self.asked_us * 1_000_000 / period_us.max(1));
+        let need_us = self.driven_us * u64::from(rate.hertz());
+        (need_us > free_us).then(|| free_us * 1_000 / self.driven_us.max(1))
+    }
+}
 
 impl Bus {
     /// How the line is used and how well it works.
@@ -35,14 +70,9 @@ impl Bus {
         self.motors.iter().any(Motor::is_driven)
     }
 
-    /// Time between two queries of a motor that answers. Drive frames go first: when they need much
-    /// of the line, queries become rarer.
+    /// Time between two queries of a motor that answers.
     pub(crate) fn query_period(&self) -> Duration {
-        if self.drive_need() < BUSY_PER_MILLE {
-            QUERY_PERIOD
-        } else {
-            BUSY_QUERY_PERIOD
-        }
+        self.load().query_period(self.settings.rate)
     }
 
     /// Time between two queries on the line while several motors are driven. The queries of six
@@ -58,28 +88,21 @@ impl Bus {
         }
     }
 
-    /// Share of the line that the drive frames need at the command rate, per mille. May exceed
-    /// 1,000.
-    fn drive_need(&self) -> u32 {
-        let driven = self.motors.iter().filter(|motor| motor.is_driven());
-        let exchange_us: u64 = driven.map(|motor| self.exchange_us(motor)).sum();
-        let need = exchange_us * u64::from(self.settings.rate.hertz()) / 1_000;
-        u32::try_from(need).unwrap_or(u32::MAX)
+    fn load(&self) -> Load {
+        let sum = |counts: fn(&Motor) -> bool| {
+            let motors = self.motors.iter().filter(|motor| counts(motor));
+            motors.map(|motor| self.exchange_us(motor)).sum()
+        };
+        Load {
+            driven_us: sum(Motor::is_driven),
+            asked_us: sum(|motor| !motor.silent),
+        }
     }
 
     /// Drive frames per second of each driven motor, if the line cannot carry the command rate.
     fn carries_hz(&self) -> Option<u16> {
-        let need = u64::from(self.drive_need());
-        let period_us = u64::try_from(self.query_period().as_micros()).unwrap_or(u64::MAX);
-        let answering = self.motors.iter().filter(|motor| !motor.silent);
-        let asked: u64 = answering.map(|motor| self.exchange_us(motor)).sum();
-        let queries = asked * 1_000 / period_us.max(1);
-        let free = 1_000_u64.saturating_sub(queries);
-        if need <= free {
-            return None;
-        }
-        let hertz = u64::from(self.settings.rate.hertz()) * free / need;
-        u16::try_from(hertz).ok()
+        let carried = self.load().carries(self.settings.rate)?;
+        u16::try_from(carried / 1_000).ok()
     }
 
     fn exchange_us(&self, motor: &Motor) -> u64 {
