@@ -113,6 +113,6 @@ proptest! {
     #[test]
     fn any_text_is_read_or_refused(text in "[\\PC\n]{0,200}") {
         let _ = Sequence::from_json(&text);
-        let _ = from_csv(&text);
+        let _ = from_csv(&text, &[]);
     }
 }

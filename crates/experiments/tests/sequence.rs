@@ -241,7 +241,7 @@ fn a_group_is_its_motors_that_are_here() {
 #[test]
 fn a_csv_becomes_steps_that_last_until_the_next_row() {
     let text = "time_s,1 rpm,2 rpm\r\n0,0,0\r\n0.5,100,-100\r\n\r\n2.5,,0\r\n";
-    let sequence = from_csv(text).unwrap();
+    let sequence = from_csv(text, &[]).unwrap();
     let hold =
         |motor, rpm, for_s| Step::hold(Selection::Motor(id(motor)), Quantity::Rpm, rpm, for_s);
     assert_eq!(
@@ -259,7 +259,7 @@ fn a_csv_becomes_steps_that_last_until_the_next_row() {
 
 #[test]
 fn a_csv_of_a_german_spreadsheet_is_read() {
-    let sequence = from_csv("\u{FEFF}time_s;amps\n0;\"0,5\"\n1,5;0\n").unwrap();
+    let sequence = from_csv("\u{FEFF}time_s;amps\n0;\"0,5\"\n1,5;0\n", &[]).unwrap();
     let hold = |amps, for_s| Step::hold(Selection::All, Quantity::Amps, amps, for_s);
     assert_eq!(sequence.steps, [hold(0.5, 1.5), hold(0.0, 0.0)]);
 }
@@ -295,7 +295,7 @@ fn a_csv_that_does_not_fit_is_refused_at_line_and_column() {
         ),
     ];
     for (text, expected) in table {
-        assert_eq!(from_csv(text).unwrap_err().to_string(), expected);
+        assert_eq!(from_csv(text, &[]).unwrap_err().to_string(), expected);
     }
 }
 
@@ -308,7 +308,7 @@ fn a_csv_with_two_columns_for_one_motor_is_refused_at_the_second() {
         "rpm,amps",
         "1 rpm,1 amps",
     ] {
-        let error = from_csv(&format!("time_s,{head}\n0,1,2\n")).unwrap_err();
+        let error = from_csv(&format!("time_s,{head}\n0,1,2\n"), &[]).unwrap_err();
         let expected = "line 1, column 3: appears twice; keep one";
         assert_eq!(error.to_string(), expected, "{head}");
     }
@@ -316,21 +316,21 @@ fn a_csv_with_two_columns_for_one_motor_is_refused_at_the_second() {
 
 #[test]
 fn spreadsheets_in_many_forms_give_one_sequence() {
-    let expected = from_csv("time,1 rpm,2 rpm\n0,0,0\n0.5,100,-100\n2.5,0,0\n").unwrap();
+    let expected = from_csv("time,1 rpm,2 rpm\n0,0,0\n0.5,100,-100\n2.5,0,0\n", &[]).unwrap();
     let german = "time_s;1 rpm;2 rpm\r\n0;0;0\r\n0,5;100;-100\r\n2,5;0;0\r\n";
     let tabs = german.replace(';', "\t");
     let marked = format!("\u{FEFF}sep=;\r\n{german}");
     let points = german.replace(',', ".");
     let named = format!("sep=|\n{}", points.replace(';', "|"));
     for text in [german, &tabs, &marked, &points, &named] {
-        assert_eq!(from_csv(text).unwrap(), expected, "{text}");
+        assert_eq!(from_csv(text, &[]).unwrap(), expected, "{text}");
     }
     let utf_16 = |unit: fn(u16) -> [u8; 2]| {
         let marked = format!("\u{FEFF}{tabs}");
         marked.encode_utf16().flat_map(unit).collect::<Vec<u8>>()
     };
     for bytes in [utf_16(u16::to_le_bytes), utf_16(u16::to_be_bytes)] {
-        assert_eq!(from_csv(&text_of(&bytes).unwrap()).unwrap(), expected);
+        assert_eq!(from_csv(&text_of(&bytes).unwrap(), &[]).unwrap(), expected);
     }
     let without_mark = &utf_16(u16::to_le_bytes)[2..];
     for bytes in [without_mark, b"time_s;rpm\n0;\xE4\n"] {
@@ -354,7 +354,7 @@ fn a_number_that_may_have_a_mark_for_thousands_is_never_read_as_another_one() {
         "sep=;\ntime_s;amps\n0;1.000\n",
     ];
     for text in refused {
-        let error = from_csv(text).unwrap_err();
+        let error = from_csv(text, &[]).unwrap_err();
         assert_eq!(error.problem, Problem::ThousandsMark, "{text}");
     }
     let read = [
@@ -365,7 +365,7 @@ fn a_number_that_may_have_a_mark_for_thousands_is_never_read_as_another_one() {
     ];
     for (text, amps) in read {
         let hold = Step::hold(Selection::All, Quantity::Amps, amps, 0.0);
-        assert_eq!(from_csv(text).unwrap().steps, [hold], "{text}");
+        assert_eq!(from_csv(text, &[]).unwrap().steps, [hold], "{text}");
     }
 }
 
@@ -379,7 +379,7 @@ fn the_csv_of_a_run_is_read_as_the_setpoints_that_were_sent() {
                 0.505000,1,49,0.100,,31,50,rpm,0\n\
                 1.005000,1,50,0.100,9.00,,0,rpm,1\n\
                 2.005000,1,0,0.100,9.00,,0,rpm,1\n";
-    let sequence = from_csv(&format!("{head}{rows}")).unwrap();
+    let sequence = from_csv(&format!("{head}{rows}"), &[]).unwrap();
     let moves: Vec<(Selection, f64, f64)> = sequence
         .steps
         .iter()
@@ -405,9 +405,52 @@ fn the_csv_of_a_run_is_read_as_the_setpoints_that_were_sent() {
     assert!(brake.0 == Selection::Motor(id(2)) && brake.1.is_nan() && near(brake.2, 0.999));
     assert!(last.0 == Selection::Motor(id(1)) && near(last.1, 0.0) && near(last.2, 1.0));
     let raw = format!("{head}0,1,,,,,5,raw,0\n");
-    let error = from_csv(&raw).unwrap_err();
+    let error = from_csv(&raw, &[]).unwrap_err();
     assert_eq!(
         error.to_string(),
         "line 2, column 8: expected rpm, A, deg or brake"
+    );
+}
+
+/// Rows of the file that `crates/recorder/tests/csv_files.rs` compares with what the recorder writes.
+#[test]
+fn the_file_for_plotting_of_a_recording_is_read_with_mirrored_motors_turned() {
+    let text = "\
+time,motor_1_speed_rpm,motor_1_current_a,motor_1_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_setpoint,motor_1_setpoint_mode,\
+motor_7_speed_rpm,motor_7_current_a,motor_7_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_setpoint,motor_7_setpoint_mode\r
+0.000000,,,,,,,,,100,0.002,125.6,33,2,0,,\r
+0.004000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
+0.020000,-100,-0.250,66.96,,1,8,-0.250,1,,,,,,,,\r
+0.030000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
+1.529000,,,,,,,,,100,0.002,,,2,0,,\r
+";
+    let hold = |id: u8, quantity, value, for_s| {
+        let motor = Selection::Motor(MotorId::new(id).unwrap());
+        Step::hold(motor, quantity, value, for_s)
+    };
+    let read = |mirrored: &[MotorId]| {
+        let mut steps = from_csv(text, mirrored).unwrap().steps;
+        for step in &mut steps {
+            let Step::Move(Move {
+                end: End::After(time),
+                ..
+            }) = step
+            else {
+                panic!("no time");
+            };
+            *time = (*time * 1e6).round() / 1e6;
+        }
+        steps
+    };
+    let first = hold(1, Quantity::Amps, -0.25, 1.509);
+    let seventh = |rpm| hold(7, Quantity::Rpm, rpm, 0.016);
+    assert_eq!(read(&[]), [seventh(-100.0), first.clone()]);
+    let seven = MotorId::new(7).unwrap();
+    assert_eq!(read(&[seven]), [seventh(100.0), first]);
+    let open_loop = text.replacen(",-100,2", ",-100,0", 1);
+    let error = from_csv(&open_loop, &[]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "line 3, column 17: expected the loop of the setpoint: 1, 2 or 3"
     );
 }

@@ -25,7 +25,8 @@ impl Experiments {
             if is_json {
                 Sequence::from_json(&text)
             } else {
-                from_csv(&text)
+                self.fleet
+                    .with_untracked(|fleet| from_csv(&text, &fleet.mirrored))
             }
         });
         match read {

@@ -3,6 +3,7 @@
 use motorlink_protocol::MotorId;
 
 use super::at;
+use crate::plan::MOTORS_MAX;
 use crate::sequence::{Problem, Quantity, Selection, SequenceError};
 
 /// The setpoints of a row.
@@ -15,6 +16,16 @@ pub(super) enum Columns {
         setpoint: usize,
         unit: usize,
     },
+    /// The file for plotting of a recording: behind the time two columns for each motor.
+    Plot(Vec<PlotColumn>),
+}
+
+/// The columns of a motor in a file for plotting.
+#[derive(Clone, Copy)]
+pub(super) struct PlotColumn {
+    pub(super) motor: MotorId,
+    pub(super) setpoint: usize,
+    pub(super) mode: usize,
 }
 
 /// A column of setpoints.
@@ -34,7 +45,7 @@ impl Columns {
         let Some((&"time_s" | &"time", rest)) = names.split_first() else {
             return Err(wrong(1));
         };
-        let find = |name| names.iter().position(|known| *known == name);
+        let find = |name: &str| names.iter().position(|known| *known == name);
         if let (Some(motor), Some(setpoint), Some(unit)) =
             (find("motor"), find("setpoint"), find("setpoint_unit"))
         {
@@ -44,8 +55,27 @@ impl Columns {
                 unit,
             });
         }
+        let plot: Vec<PlotColumn> = names
+            .iter()
+            .enumerate()
+            .filter_map(|(setpoint, name)| {
+                let motor = name.strip_prefix("motor_")?.strip_suffix("_setpoint")?;
+                Some(PlotColumn {
+                    motor: motor.parse().ok()?,
+                    setpoint,
+                    mode: find(&format!("{name}_mode"))?,
+                })
+            })
+            .collect();
+        if !plot.is_empty() {
+            return Ok(Self::Plot(plot));
+        }
         if rest.is_empty() {
             return Err(wrong(1));
+        }
+        if rest.len() > MOTORS_MAX {
+            let max = MOTORS_MAX;
+            return Err(at(line, max + 2, Problem::TooManyMotors { max }));
         }
         let mut columns: Vec<Column> = Vec::new();
         for (place, name) in (2..).zip(rest) {

@@ -18,7 +18,7 @@ use super::{
     AMPS_MAX, Action, DEGREES_MAX, End, Move, Problem, Quantity, STEPS_MAX, Selection, Sequence,
     SequenceError, Shape, Step,
 };
-use columns::Columns;
+use columns::{Columns, PlotColumn};
 use dialect::Dialect;
 use rows::Rows;
 
@@ -34,16 +34,19 @@ use rows::Rows;
 /// The first column, `time_s` or `time`, is the time from the start in seconds. The name of another column is the number
 /// of a motor and `rpm`, `amps` or `degrees`; without a number it applies to all motors. An empty cell changes nothing.
 /// Commas, semicolons or tabs separate the columns; a comma that does not is a decimal mark. The file of a run
-/// ([`record_to_csv`](crate::kept::record_to_csv)) is read as the setpoints that were sent.
+/// ([`record_to_csv`](crate::kept::record_to_csv)) is read as the setpoints that were sent, and so is the file for plotting
+/// of a recording. That has the motors' own signs: speeds and currents of the `mirrored` motors are turned, so that + is
+/// forward as in every sequence.
 ///
 /// # Errors
 /// [`SequenceError`] names the place by line and column, as in `line 3, column 2`.
-pub fn from_csv(text: &str) -> Result<Sequence, SequenceError> {
+pub fn from_csv(text: &str, mirrored: &[MotorId]) -> Result<Sequence, SequenceError> {
     let (dialect, text, before) = Dialect::of(text);
     let mut rows = Rows::new(text, dialect.delimiter, before);
     let head = rows.next().transpose()?.unwrap_or_default();
     let mut read = Read {
         dialect,
+        mirrored,
         columns: Columns::of(&head, before + 1)?,
         steps: Vec::new(),
         before: None,
@@ -58,8 +61,9 @@ pub fn from_csv(text: &str) -> Result<Sequence, SequenceError> {
     })
 }
 
-struct Read {
+struct Read<'a> {
     dialect: Dialect,
+    mirrored: &'a [MotorId],
     columns: Columns,
     steps: Vec<Step>,
     /// The time of the row before.
@@ -68,7 +72,7 @@ struct Read {
     last: Vec<(MotorId, Action)>,
 }
 
-impl Read {
+impl Read<'_> {
     fn row(&mut self, row: &[String], line: usize) -> Result<(), SequenceError> {
         let Some((time, values)) = row.split_first() else {
             return Ok(());
@@ -87,18 +91,27 @@ impl Read {
                 motor,
                 setpoint,
                 unit,
-            } => {
-                let new = self.sent(row, line, [*motor, *setpoint, *unit])?;
-                // The run of the sequence begins with its first setpoint.
-                if self.before.is_none() && new.is_none() {
-                    return Ok(());
+            } => self
+                .sent(row, line, [*motor, *setpoint, *unit])?
+                .into_iter()
+                .collect(),
+            Columns::Plot(columns) => {
+                let mut new = Vec::new();
+                for column in columns.clone() {
+                    new.extend(self.plotted(row, line, column)?);
                 }
-                if self.before.is_some_and(|before| time < before) {
-                    return Err(at(line, 1, Problem::TimeFalls));
-                }
-                new.into_iter().collect()
+                new
             }
         };
+        if !matches!(self.columns, Columns::Wide(_)) {
+            // The run of the sequence begins with its first setpoint.
+            if self.before.is_none() && new.is_empty() {
+                return Ok(());
+            }
+            if self.before.is_some_and(|before| time < before) {
+                return Err(at(line, 1, Problem::TimeFalls));
+            }
+        }
         // The previous row lasts until this one. The last row only ends the row before it.
         lengthen(&mut self.steps, time - self.before.unwrap_or(time));
         self.before = Some(time);
@@ -183,17 +196,59 @@ impl Read {
                 return Err(at(line, unit + 1, units));
             }
         };
+        Ok(self.changed(id, action))
+    }
+
+    /// The setpoint of a motor in a row of a file for plotting, if it is another one than before.
+    fn plotted(
+        &mut self,
+        row: &[String],
+        line: usize,
+        column: PlotColumn,
+    ) -> Result<Option<Step>, SequenceError> {
+        let PlotColumn {
+            motor,
+            setpoint,
+            mode,
+        } = column;
+        let cell = |place: usize| row.get(place).map_or("", |cell| cell.trim());
+        if cell(setpoint).is_empty() {
+            return Ok(None);
+        }
+        let quantity = match cell(mode) {
+            "1" => Quantity::Amps,
+            "2" => Quantity::Rpm,
+            "3" => Quantity::Degrees,
+            _ => {
+                let modes = Problem::Expected("the loop of the setpoint: 1, 2 or 3");
+                return Err(at(line, mode + 1, modes));
+            }
+        };
+        let value = self.setpoint(cell(setpoint), quantity, line, setpoint + 1)?;
+        let is_turned = quantity != Quantity::Degrees && self.mirrored.contains(&motor);
+        // No negative zero.
+        let to = if is_turned { 0.0 - value } else { value };
+        let action = Action::Follow {
+            quantity,
+            shape: Shape::Step { to },
+            acceleration: Acceleration::DEFAULT,
+        };
+        Ok(self.changed(motor, action))
+    }
+
+    /// A step with this action, if the last one of the motor was another.
+    fn changed(&mut self, id: MotorId, action: Action) -> Option<Step> {
         let place = self.last.iter().position(|(known, _)| *known == id);
         match place.and_then(|place| self.last.get_mut(place)) {
-            Some((_, last)) if *last == action => return Ok(None),
+            Some((_, last)) if *last == action => return None,
             Some((_, last)) => *last = action,
             None => self.last.push((id, action)),
         }
-        Ok(Some(Step::Move(Move {
+        Some(Step::Move(Move {
             selection: Selection::Motor(id),
             action,
             end: End::After(0.0),
-        })))
+        }))
     }
 
     /// A setpoint that some motor can have; the plan checks it for those that are there.

@@ -3,12 +3,13 @@
 use csv_core::{ReadFieldResult, Reader, ReaderBuilder};
 
 use super::at;
+use crate::plan::MOTORS_MAX;
 use crate::sequence::{Problem, SequenceError};
 
 /// Maximal length of a field: a number with every digit that a spreadsheet writes.
 const FIELD_MAX: usize = 64;
-/// Maximal number of columns: the time and one per motor.
-const COLUMNS_MAX: usize = 17;
+/// Maximal number of columns: the time, and eight for each motor in a file for plotting.
+const COLUMNS_MAX: usize = 1 + 8 * MOTORS_MAX;
 
 /// The rows of a file, without empty ones.
 pub(super) struct Rows<'a> {
@@ -63,9 +64,7 @@ impl Iterator for Rows<'_> {
                     row.push(String::from_utf8_lossy(text).into_owned());
                     if row.len() > COLUMNS_MAX {
                         self.ended = true;
-                        let problem = Problem::TooManyMotors {
-                            max: COLUMNS_MAX - 1,
-                        };
+                        let problem = Problem::TooManyMotors { max: MOTORS_MAX };
                         return Some(Err(at(self.line, row.len(), problem)));
                     }
                     if record_end {
