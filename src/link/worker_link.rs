@@ -84,7 +84,8 @@ impl WorkerLink {
                         }
                         on_message(message);
                     }
-                    Err(error) => logging::error!("a message of the worker does not read: {error}"),
+                    // Both are of one build, and the texts of the causes are long.
+                    Err(_) => logging::error!("a message of the worker does not read"),
                 }
             }),
             Box::new(lost),
