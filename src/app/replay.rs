@@ -19,7 +19,9 @@ use crate::{
         session_file::player::{Instruments, Show},
         telemetry::fault_history::FaultHistory,
     },
-    model::{history::History, names_and_sides::NamesAndSides, snapshot::Session, tab::Tab},
+    model::{
+        history::History, names_and_sides::NamesAndSides, page::Page, snapshot::Session, tab::Tab,
+    },
 };
 
 /// The live line while a recording is shown.
@@ -43,7 +45,7 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
         match what {
             Show::Begin(names) => {
                 *live = Some(features.set_live_aside());
-                features.page.show_names_and_sides(names.clone());
+                show_names(features.page, names.clone());
             }
             Show::Nothing => features.show_nothing(),
             Show::Recorded(update) => features.show_recorded(update, rover),
@@ -64,6 +66,13 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
             }
         }
     })
+}
+
+/// Here rather than in the first program, which changes them otherwise.
+fn show_names(page: Page, names: NamesAndSides) {
+    page.motors.names.set(names);
+    page.motors.replaced.update(|times| *times += 1);
+    page.show();
 }
 
 /// A line without motors.
@@ -151,7 +160,7 @@ impl Features {
     fn show_live(self, live: Live, rover: Rover) {
         let page = self.page;
         page.latest.update_value(|latest| *latest = live.latest);
-        page.show_names_and_sides(live.names);
+        show_names(page, live.names);
         self.exchange_history(live.history);
         self.exchange_faults(live.faults);
         self.log.exchange(live.log);

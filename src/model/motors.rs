@@ -117,15 +117,14 @@ impl Page {
     /// The names of a recording are not those of the motors of this browser.
     fn save_names(self) {
         let connection = self.latest.with_value(|session| session.connection);
-        if connection == Connection::Connected(Adapter::Recording) {
+        if let Connection::Connected(Adapter::Recording) = connection {
             return;
         }
         let names = self.motors.names;
         names.with_untracked(|names| names_of_line::save(names, connection.virtual_line()));
     }
 
-    /// Shows other names and sides, without keeping them.
-    pub(crate) fn show_names_and_sides(self, names: NamesAndSides) {
+    fn show_names_and_sides(self, names: NamesAndSides) {
         self.motors.names.set(names);
         self.motors.replaced.update(|times| *times += 1);
         // Its values may have another sign from now on.

@@ -29,7 +29,7 @@ pub(crate) enum Until {
     },
     /// When one of these motors is driven again.
     Driven(Vec<MotorId>),
-    /// When each of these motors has reported standstill; with the number of such replies in a row.
+    /// When each of these motors has reported standstill; with the number of such replies in a row. Never without motors.
     Standstill(Vec<(StopOutcome, u8)>),
 }
 

@@ -30,12 +30,7 @@ pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
         Notice::StopEnded(report) => {
             let motors = report.motors.iter().copied();
             let open = motors.filter(|motor| !motor.confirmed);
-            let open: Vec<_> = open.map(|motor| (motor, 0)).collect();
-            if open.is_empty() {
-                Until::Dismissed
-            } else {
-                Until::Standstill(open)
-            }
+            Until::Standstill(open.map(|motor| (motor, 0)).collect())
         }
         _ => Until::Dismissed,
     }
@@ -105,8 +100,9 @@ fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Review {
     }
     open.retain(|(_, still)| *still < STANDSTILL_REPLIES);
     match open.len() {
-        0 => Review::Withdraw,
+        // Also where all stood from the first: then it is a report of what happened.
         left if left == before => Review::Keep,
+        0 => Review::Withdraw,
         _ => {
             let motors = open.iter().map(|(motor, _)| *motor);
             Review::Replace(

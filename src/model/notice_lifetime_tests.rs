@@ -107,7 +107,7 @@ fn motors_that_were_left_driven_are_named_until_the_user_has_read_it() {
         reason: StopReason::LeftDriven,
         motors: vec![stood],
     });
-    let said = ["Motor 0x01 has been stopped"];
+    let said = ["Stopped, standstill confirmed: 0x01"];
     assert_eq!(scenario.update(&[ended]), said);
     assert_eq!(scenario.update(&[]), said);
     assert_eq!(scenario.replies(1, 0, 5), said);

@@ -300,12 +300,11 @@ fn of_stop(report: &StopReport) -> Option<NoticeText> {
 /// Motors that were driven when a connection was lost were stopped, and have confirmed it.
 fn of_left_driven(report: &StopReport) -> NoticeText {
     let ids: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
-    let title = match ids.as_slice() {
-        [id] => tr!("Motor {id} has been stopped", id),
-        ids => tr!("Motors {ids} have been stopped", ids = named(ids)),
-    };
-    let why =
-        tr!("May have been running when the connection was lost. Standstill is confirmed now.");
+    let title = tr!(
+        "Stopped, standstill confirmed: {motors}",
+        motors = named(&ids)
+    );
+    let why = of_stop_reason(report.reason);
     NoticeText::new(Topic::Stop, Tone::Warning, title, &[why])
         .explained_at(HelpTopic::StoppedByItself)
 }

@@ -92,7 +92,7 @@ fn an_adapter_pulled_out_at_100_rpm_comes_back_and_the_wheel_is_stopped_first() 
         &mut scenario,
         "replug",
         back_us,
-        "has been stopped",
+        "Stopped, standstill confirmed",
         STANDS_WITHIN_US,
     )?;
     scenario
@@ -128,7 +128,7 @@ fn the_next_page_stops_it(
         &mut scenario,
         what,
         pressed_us,
-        "has been stopped",
+        "Stopped, standstill confirmed",
         STANDS_WITHIN_US,
     )?;
     scenario
