@@ -146,7 +146,7 @@ impl Rules {
                     !standing.contains(id) && raw.is_some_and(|raw| may_obey(&raw, *id))
                 });
             }
-            Command::SwitchMode { id, .. } => self.liveness.switches(id),
+            Command::SwitchMode { id, .. } => self.liveness.asked(|other| *other == id),
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
                 self.liveness.asked(|other| *other == id);
                 self.motion.asked(|other| *other == id);

@@ -93,15 +93,10 @@ impl Liveness {
         }
     }
 
-    /// A person asked for another loop, which ends the wait for a brake. What turned before is still unknown here.
-    pub(super) fn switches(&mut self, id: MotorId) {
-        self.unbraked.remove(&id);
-    }
-
-    /// A person asked for something else of these motors.
+    /// A person asked for something else of these motors, which ends the wait for a brake. What turned before is unknown
+    /// here until a frame goes out: the page may crash before.
     pub(super) fn asked(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
         self.unbraked.retain(|id, _| !is_asked(id));
-        self.unknown.retain(|id| !is_asked(id));
     }
 
     /// A stop has ended. Returns the rules that were applied.
@@ -136,7 +131,8 @@ impl Liveness {
     }
 
     /// A frame goes out to this motor that may move its wheel; `by_hand` if a person has written it.
-    pub(super) fn drives(&self, now: Instant, id: MotorId, by_hand: bool) -> Outcome {
+    pub(super) fn drives(&mut self, now: Instant, id: MotorId, by_hand: bool) -> Outcome {
+        self.unknown.remove(&id);
         if !by_hand && self.back.contains_key(&id) {
             let what = format!("{id} is driven before it has been stopped");
             return broken(Rule::StoppedAfterADeadLine, now, what);
