@@ -9,6 +9,7 @@ use std::{
 use crate::bench::{Bench, ONE};
 use motorlink_experiments::{
     kept::{Outcome, RunHeader, figures_to_csv, record_to_csv},
+    sequence::Sequence,
     study::{FrequencyStudy, Measured, StepStudy, Study},
 };
 use motorlink_protocol::Acceleration;
@@ -81,13 +82,23 @@ fn the_figures_of_an_exported_step_are_those_of_the_script() {
             ..StepStudy::of(ONE)
         })
     };
-    assert!(compared(&study(0.0, 100.0), 1) >= 3 * 8 + 3 * 4);
+    assert!(compared(&study(0.0, 100.0), 1) >= 3 * 8 + 3 * 4 + 4);
     assert!(compared(&study(-100.0, 100.0), 2) >= 3 * 8 + 3 * 4);
     assert!(compared(&study(120.0, 20.0), 3) >= 6 * 8);
 }
 
 #[test]
 #[ignore = "needs python-control: cargo xtask test --only figures-in-python"]
+fn the_tracking_error_of_an_exported_sequence_is_that_of_the_script() {
+    let text = r#"{ "motorlink_sequence": 1, "steps": [
+        { "rpm": 60, "for_s": 2 },
+        { "rpm": 60, "shape": "sine", "amplitude": 30, "hz": 0.5, "for_s": 6 }] }"#;
+    let sequence = Sequence::from_json(text).unwrap();
+    assert_eq!(compared(&Study::Sequence(sequence), 5), 4);
+}
+
+#[test]
+#[ignore = "needs python-control: cargo xtask test --only figures-in-python"]
 fn the_points_of_an_exported_frequency_response_are_those_of_the_script() {
-    assert!(compared(&Study::Frequency(FrequencyStudy::of(ONE)), 4) >= 15 * 3);
+    assert!(compared(&Study::Frequency(FrequencyStudy::of(ONE)), 4) >= 15 * 3 + 4);
 }

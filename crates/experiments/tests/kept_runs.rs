@@ -7,10 +7,11 @@ use motorlink_experiments::{
         Outcome, ReportRun, ReportTexts, RunHeader, figures_to_csv, figures_to_json, record_to_csv,
         report, run_from_json, run_to_json,
     },
-    runner::{Cause, End, Record},
+    runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint},
+    sequence::Sequence,
     study::{Measured, StepStudy, Study},
 };
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Current, Instant, MotorId, Setpoint, SpeedTarget};
 use motorlink_simulator::MotorConfig;
 
 fn run() -> (Study, RunHeader, Record) {
@@ -59,6 +60,35 @@ fn a_run_survives_its_file_with_the_same_figures() {
 }
 
 #[test]
+fn a_file_has_no_json_in_strings_and_an_older_one_with_them_is_read() {
+    let (study, header, record) = run();
+    let text = run_to_json(&header, &record);
+    let now = format!("\"study\":{},", study.to_json());
+    let before = format!("\"study\":{},", nojson::Json(study.to_json()));
+    assert!(text.contains(&now) && text.contains("\"setup\":{\"rate\":50},"));
+    let older = text
+        .replacen("\"motorlink_run\":2", "\"motorlink_run\":1", 1)
+        .replacen(&now, &before, 1)
+        .replacen("{\"rate\":50}", r#""{\"rate\":50}""#, 1);
+    let (again, _) = run_from_json(&older).unwrap();
+    assert_eq!(again.study(), Some(study));
+    assert_eq!(again.setup, header.setup);
+}
+
+#[test]
+fn the_limits_of_a_run_are_the_lower_of_page_and_sequence() {
+    let (_, mut header, _) = run();
+    header.setup = r#"{"speed_limit_rpm":200,"current_limit_ma":2700}"#.to_owned();
+    let text = r#"{ "motorlink_sequence": 1, "limits": { "rpm": 150, "celsius": 60 },
+                    "steps": [{ "rpm": 50, "for_s": 1 }] }"#;
+    header.study = Study::Sequence(Sequence::from_json(text).unwrap()).to_json();
+    let limits = header.limits();
+    assert_eq!(limits.rpm, Some(150.0));
+    assert_eq!(limits.amps, Some(2.7));
+    assert_eq!(limits.celsius, Some(60.0));
+}
+
+#[test]
 fn an_aborted_run_says_why_in_its_file() {
     let (_, mut header, record) = run();
     for (outcome, name) in [
@@ -86,8 +116,8 @@ fn a_damaged_file_is_refused_at_its_place() {
     for (from, to, place) in [
         ("{", "", "JSON"),
         (
-            "\"motorlink_run\":1",
             "\"motorlink_run\":2",
+            "\"motorlink_run\":3",
             "motorlink_run",
         ),
         (
@@ -171,7 +201,12 @@ fn charts_and_report_are_whole_files_that_escape() {
     let svg = file(&charts, &|name| format!("{name:?}"));
     assert!(svg.contains("Acceleration 1") && svg.ends_with("</svg>"));
     let runs = [("a".to_owned(), found.clone()), ("b".to_owned(), found)];
-    assert_eq!(compared_charts(&runs)[0].lines.len(), 2);
+    assert_eq!(
+        compared_charts(&runs, &|byte| format!("acceleration {byte}"))[0]
+            .lines
+            .len(),
+        2
+    );
     let texts = ReportTexts {
         language: "en",
         title: "<Runs>".to_owned(),
@@ -203,6 +238,70 @@ fn a_file_with_more_steps_than_its_study_is_refused() {
     let many = format!("{}{marks}", "[1,0],".repeat(100_000));
     let refused = run_from_json(&format!("{before}\"marks\":[{many}")).unwrap_err();
     assert_eq!(refused.place, "marks");
+    let stranger = text.replacen("\"samples\":[[", "\"samples\":[[0,9,1,1,1,1],[", 1);
+    assert_eq!(run_from_json(&stranger).unwrap_err().place, "samples");
     let unordered = text.replacen("\"samples\":[[", "\"samples\":[[90000000,1,1,1,1,1],[", 1);
     assert_eq!(run_from_json(&unordered).unwrap_err().place, "samples");
+}
+
+/// The largest file that is read: 16 motors, 400,000 replies, 100,000 steps and as many setpoints.
+#[test]
+#[ignore = "prints times"]
+fn the_time_of_the_largest_run() {
+    let (_, mut header, _) = run();
+    let ids = || (1..=16).map(|id| MotorId::new(id).unwrap());
+    header.motors = ids().map(|id| (id, String::new())).collect();
+    let text = r#"{ "motorlink_sequence": 1, "steps": [{ "rpm": 50, "for_s": 1 }] }"#;
+    header.study = Study::Sequence(Sequence::from_json(text).unwrap()).to_json();
+    header.began = Some(Instant::ZERO);
+    let at = |n: u32| Instant::from_micros(u64::from(n) * 2_500);
+    let id = |n: u32| ids().nth(n as usize % 16).unwrap();
+    let speed = |n: u32| SpeedTarget::new(i32::try_from(n % 100).unwrap()).unwrap();
+    let part = RecordPart {
+        samples: (0..400_000)
+            .map(|n| Sample {
+                id: id(n),
+                at: at(n),
+                rpm: Some(i16::try_from(n % 120).unwrap()),
+                current: Some(Current::from_raw(300)),
+                degrees: Some(66.96),
+                celsius: None,
+            })
+            .collect(),
+        sent: (0..100_000)
+            .map(|n| SentSetpoint {
+                id: id(n),
+                at: at(4 * n),
+                setpoint: Setpoint::velocity(speed(n)),
+            })
+            .collect(),
+        marks: (0..100_000)
+            .map(|n| Mark {
+                at: at(4 * n),
+                step: 0,
+            })
+            .collect(),
+    };
+    let mut record = header.record();
+    record.add_part(part);
+    let text = run_to_json(&header, &record);
+    let now = std::time::Instant::now();
+    let (header, record) = run_from_json(&text).unwrap();
+    println!(
+        "{} MB, read and checked in {:?}",
+        text.len() / 1_000_000,
+        now.elapsed()
+    );
+    let now = std::time::Instant::now();
+    let found = header
+        .study()
+        .unwrap()
+        .evaluate(&record, &header.measured());
+    println!("figures of a sequence in {:?}", now.elapsed());
+    let now = std::time::Instant::now();
+    let charts = charts(&found, &|byte| byte.to_string());
+    println!("{} charts in {:?}", charts.len(), now.elapsed());
+    let now = std::time::Instant::now();
+    let svg = file(&charts, &|name| format!("{name:?}"));
+    println!("{} kB of SVG in {:?}", svg.len() / 1_000, now.elapsed());
 }

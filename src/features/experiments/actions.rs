@@ -9,9 +9,10 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker,
-    bus::Command,
+    bus::{CarriedRate, Command, CommandRate},
     encode,
     experiments::{
+        plan::Plan,
         runner::{Options, Phase},
         sequence::RunLimits,
         study::{Study, StudyKind},
@@ -33,6 +34,8 @@ use crate::{
     },
 };
 
+/// Setpoints per second that each motor needs.
+const RATE_MIN_HZ: f64 = 50.0;
 /// How long after Pause the same button resumes.
 const RESUME_AFTER_MS: f64 = 600.0;
 
@@ -116,6 +119,20 @@ impl Experiments {
         }
     }
 
+    /// What the line carries of the rate that is asked for, by what was measured of its motors. It is tracked.
+    pub(super) fn carried(self, plan: &Plan) -> Option<CarriedRate> {
+        let rate = CommandRate::new(u16::try_from(self.rate.get()).ok()?).ok()?;
+        let driven: Vec<(MotorId, Mode)> = plan
+            .motors()
+            .iter()
+            .map(|motor| (motor.id, motor.mode()))
+            .collect();
+        let model = self.page.model.get();
+        self.page
+            .shown
+            .with(|session| CarriedRate::of(model, &session.motors, &driven, rate))
+    }
+
     /// Why the run cannot be armed, and the switch of a loop that would help.
     pub(super) fn blocked_by(self) -> Option<(String, Option<(MotorId, Mode)>)> {
         if self.shown.get().is_driving() {
@@ -126,22 +143,32 @@ impl Experiments {
             return Some((tr!("{field}: enter a number.", field), None));
         }
         let plan = self.checked.with(|checked| match checked {
-            Some(Ok((_, plan))) => Ok(plan.motors().to_vec()),
+            Some(Ok((_, plan))) => Ok((plan.motors().to_vec(), self.carried(plan))),
             Some(Err(error)) => Err(texts::refused(error, self.row_of(&error.place))),
             None => Err(String::new()),
         });
-        let motors = match plan {
-            Ok(motors) => motors,
+        let (motors, carried) = match plan {
+            Ok(found) => found,
             Err(words) => return Some((words, None)),
         };
-        self.page.shown.with(|session| {
+        let of_motor = self.page.shown.with(|session| {
             motors.iter().find_map(|motor| {
                 let (id, mode) = (motor.id, motor.mode());
                 let reason = drive_blocked_by(session, id, mode)?;
                 let is_other_loop = session.mode(id).is_some_and(|now| now.value != mode);
                 Some((reason, is_other_loop.then_some((id, mode))))
             })
-        })
+        });
+        let too_slow = || {
+            let carried = carried.filter(|carried| carried.hertz < RATE_MIN_HZ)?;
+            let reason = tr!(
+                "The line carries {rate} setpoints a second for each of {count} motors, and they need 50. Choose fewer motors.",
+                rate = texts::rate(carried),
+                count = motors.len()
+            );
+            Some((reason, None))
+        };
+        of_motor.or_else(too_slow)
     }
 
     /// The row of the table with this place; none in another tab.
@@ -179,6 +206,7 @@ impl Experiments {
             run,
             study,
             limits: untrack(|| self.limits(plan.limits())),
+            carried: untrack(|| self.carried(&plan)),
             plan,
             options,
         })));

@@ -5,7 +5,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     plan::PlanMotor,
     runner::{Phase, SilentSteps},
-    sequence::{Quantity, RunLimits},
+    sequence::Quantity,
 };
 use wasm_bindgen::JsCast;
 use web_sys::HtmlInputElement;
@@ -198,11 +198,8 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
     } else {
         tr!("It takes {time}.", time)
     };
-    let rate = tr!(
-        "At most {rate} setpoints a second for each motor.",
-        rate = 1_000_000 / armed.options.period.as_micros().max(1)
-    );
-    let limits = limits(armed);
+    let rate = rate(armed);
+    let limits = tr!("Limits: {limits}.", limits = texts::limits(armed.limits));
     let mut ends = tr!("STOP, Space, Escape, a fault, silence and a limit end it.").to_owned();
     if armed.options.stop_on_lost_focus {
         ends = format!("{ends} {}", tr!("So does a lost focus."));
@@ -221,6 +218,21 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
         {silence}
         <p>{limits}</p>
         <p>{ends}</p>
+    }
+}
+
+/// What was asked for, and what the line carries of it.
+fn rate(armed: &Armed) -> String {
+    let asked = 1_000_000 / armed.options.period.as_micros().max(1);
+    match armed.carried {
+        Some(carried) if carried.hertz < f64::from(u32::try_from(asked).unwrap_or(u32::MAX)) => {
+            tr!(
+                "{asked} setpoints a second for each motor are asked for. The line carries {rate}.",
+                asked,
+                rate = texts::rate(carried)
+            )
+        }
+        _ => tr!("{asked} setpoints a second for each motor.", asked),
     }
 }
 
@@ -259,17 +271,5 @@ fn motor_line(page: Page, motor: &PlanMotor) -> String {
         greatest,
         unit,
         mode
-    )
-}
-
-fn limits(armed: &Armed) -> String {
-    let RunLimits { rpm, amps, celsius } = armed.limits;
-    let text = |limit: Option<f64>| limit.map_or_else(|| format::UNKNOWN.to_owned(), texts::number);
-    tr!(
-        "Limits: {rpm} {unit}, {amps} A, {celsius} °C.",
-        rpm = text(rpm),
-        unit = format::rpm(),
-        amps = text(amps),
-        celsius = text(celsius)
     )
 }

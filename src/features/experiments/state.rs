@@ -4,6 +4,7 @@ use std::{ops::Deref, rc::Rc};
 
 use leptos::prelude::*;
 use motorlink_messages::{
+    bus::CarriedRate,
     experiments::{
         plan::{Fleet, Plan},
         runner::{Options, Phase},
@@ -153,6 +154,8 @@ pub(super) struct Armed {
     pub(super) options: Options,
     /// The lower of the limits of the page and of the sequence.
     pub(super) limits: RunLimits,
+    /// What the line carries of the rate.
+    pub(super) carried: Option<CarriedRate>,
 }
 
 /// The panel: a pointer to its state, which stays through a change of language and while the panel is closed.

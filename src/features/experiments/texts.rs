@@ -2,9 +2,10 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
+    bus::CarriedRate,
     experiments::{
         runner::{Cause, End, ExceededLimit, StartRefusal},
-        sequence::{Problem, Quantity, SequenceError, Template},
+        sequence::{Problem, Quantity, RunLimits, SequenceError, Template},
         study::StudyKind,
     },
     protocol::MotorId,
@@ -79,6 +80,24 @@ pub(super) fn study(kind: StudyKind) -> &'static str {
         StudyKind::TorqueSpeed => tr!("Torque and speed"),
         StudyKind::Silence => terms::when_frames_cease(),
     }
+}
+
+/// `90`, or `about 90`.
+pub(super) fn rate(carried: CarriedRate) -> String {
+    let rate = format!("{:.0}", carried.hertz);
+    if carried.is_about {
+        tr!("about {rate}", rate)
+    } else {
+        rate
+    }
+}
+
+/// `150 rpm, 2.7 A, 60 °C`
+pub(super) fn limits(limits: RunLimits) -> String {
+    let RunLimits { rpm, amps, celsius } = limits;
+    let text = |limit: Option<f64>| limit.map_or_else(|| format::UNKNOWN.to_owned(), number);
+    let (rpm, amps, celsius) = (text(rpm), text(amps), text(celsius));
+    format!("{rpm} {}, {amps} A, {celsius} °C", format::rpm())
 }
 
 /// The name and the unit of a parameter of a study.

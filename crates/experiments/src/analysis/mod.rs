@@ -5,30 +5,36 @@
 mod batch_means;
 mod coast_down;
 mod crossing;
+mod fitted_model;
 mod frequency;
 mod friction;
 mod heating;
 mod inertia;
 mod least_squares;
 mod peak;
+mod setpoint_rate;
 mod silence;
 mod statistics;
 mod steady;
 mod step_response;
 mod torque_speed;
 mod trace;
+mod tracking;
 
 pub use coast_down::{CoastDown, coast_down};
+pub use fitted_model::{FittedModel, Lag, bode_model, step_model};
 pub use frequency::{BodePoint, Invalid, SineRun, bandwidth_hz, frequency_point, unwrap_phases};
 pub use friction::{Friction, SpeedLevel, friction};
 pub use heating::{Heating, heating};
 pub use inertia::{Inertia, Push, inertia};
+pub use setpoint_rate::{SetpointRate, setpoint_rate};
 pub use silence::{Silence, WhenSilent};
 pub(crate) use silence::{keeps, median};
 pub use statistics::{CONFIDENCE, Estimate, Spread, spread};
 pub use step_response::{StepFigures, StepRun, StepSummary, step_figures, step_summary};
 pub use torque_speed::{CurrentBySpeed, Droop, TorqueSpeed, torque_speed};
 pub use trace::Trace;
+pub use tracking::{Tracking, tracking};
 
 /// Torque of one ampere, in N.m (the maker's figure for M0601 and DDSM115).
 pub const TORQUE_NM_PER_A: f64 = 0.75;

@@ -4,11 +4,8 @@ use std::time::Duration;
 
 use motorlink_protocol::{FRAME_AIRTIME, Instant, MotorId, Setpoint};
 
-use super::{Point, statistics::mean};
+use super::{Point, setpoint_rate::period_s};
 use crate::runner::Record;
-
-/// Two periods are longer than this many.
-const ONE_PERIOD: f64 = 1.5;
 
 /// Signals of one motor of a run, in seconds since its start.
 ///
@@ -67,19 +64,12 @@ impl Trace {
 
     /// Requests per second that the line carried, at most `asked_hz`.
     ///
-    /// Requests are not recorded. Their period is the shortest time between replies that occurs often: the mean of the
-    /// intervals up to `ONE_PERIOD` times the shortest twentieth. Lost replies only add longer ones.
+    /// Requests are not recorded. Their period follows from the times between replies.
     #[must_use]
     pub fn request_hz(&self, asked_hz: f64) -> f64 {
         let pairs = self.rpm.iter().zip(self.rpm.iter().skip(1));
-        let mut intervals: Vec<f64> = pairs.map(|(one, next)| next.t_s - one.t_s).collect();
-        intervals.sort_by(f64::total_cmp);
-        let Some(short_s) = intervals.get(intervals.len() / 20) else {
-            return asked_hz;
-        };
-        let longest_s = short_s * ONE_PERIOD;
-        let of_one_period = intervals.iter().copied().filter(|it| *it <= longest_s);
-        mean(of_one_period).map_or(asked_hz, |period_s| asked_hz.min(1.0 / period_s))
+        let period_s = period_s(pairs.map(|(one, next)| next.t_s - one.t_s).collect());
+        period_s.map_or(asked_hz, |period_s| asked_hz.min(1.0 / period_s))
     }
 
     /// The points of a signal from one time up to another.

@@ -50,6 +50,8 @@ pub enum Look {
     Plain,
     /// What was commanded.
     Dashed,
+    /// A dotted line: a fitted model.
+    Dotted,
     /// A dot for each point.
     Dots,
     /// A cross for each point: it is not valid.

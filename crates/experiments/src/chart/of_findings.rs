@@ -3,7 +3,8 @@
 use super::{AxisName, Chart, Line, Look, RUNS_MAX};
 use crate::{
     analysis::{BodePoint, Point, Trace},
-    study::{Findings, StepFindings, StepGroup},
+    sequence::Quantity,
+    study::{Findings, FrequencyFindings, MotorFindings, StepFindings, StepGroup},
 };
 
 /// Points of a median curve.
@@ -19,7 +20,7 @@ pub fn charts(findings: &Findings, acceleration: &dyn Fn(u8) -> String) -> Vec<C
             step_lines(found, acceleration),
         );
     }
-    let lines = |kind: usize| lines_of(findings, kind, 0, "");
+    let lines = |kind: usize| lines_of(findings, kind, 0, "", acceleration);
     kinds(findings)
         .iter()
         .enumerate()
@@ -49,6 +50,21 @@ fn step_lines(found: &StepFindings, acceleration: &dyn Fn(u8) -> String) -> Vec<
         name: acceleration(group.acceleration.byte()),
         points: median(group),
     }));
+    for (colour, group) in found.groups.iter().enumerate() {
+        if let Some(model) = group.model {
+            let way = found.to_rpm - found.from_rpm;
+            let at = |place: u32| {
+                let t_s = longest_s * f64::from(place) / f64::from(MEDIAN_POINTS);
+                (t_s, found.from_rpm + way * model.step(t_s))
+            };
+            lines.push(Line {
+                colour,
+                look: Look::Dotted,
+                name: String::new(),
+                points: (0..=MEDIAN_POINTS).map(at).collect(),
+            });
+        }
+    }
     if longest_s > 0.0 {
         lines.push(Line {
             colour: RUNS_MAX,
@@ -64,10 +80,13 @@ fn step_lines(found: &StepFindings, acceleration: &dyn Fn(u8) -> String) -> Vec<
     lines
 }
 
-/// The charts of up to eight runs over each other, each with its name. Runs of another study than the first one are
+/// The charts of up to eight runs over each other, each with its name. `acceleration` gives the name of one. Runs of another study than the first one are
 /// left out.
 #[must_use]
-pub fn compared_charts(runs: &[(String, Findings)]) -> Vec<Chart> {
+pub fn compared_charts(
+    runs: &[(String, Findings)],
+    acceleration: &dyn Fn(u8) -> String,
+) -> Vec<Chart> {
     let Some((_, first)) = runs.first() else {
         return Vec::new();
     };
@@ -80,8 +99,9 @@ pub fn compared_charts(runs: &[(String, Findings)]) -> Vec<Chart> {
         .flat_map(|(kind, (x, y))| {
             let runs = runs.iter().take(RUNS_MAX).enumerate();
             let runs = runs.filter(|(_, (_, findings))| same(findings));
-            let lines =
-                runs.flat_map(|(colour, (name, findings))| lines_of(findings, kind, colour, name));
+            let lines = runs.flat_map(|(colour, (name, findings))| {
+                lines_of(findings, kind, colour, name, acceleration)
+            });
             one(*x, *y, lines.collect())
         })
         .collect()
@@ -112,8 +132,15 @@ fn one(x: AxisName, y: AxisName, lines: Vec<Line>) -> Vec<Chart> {
     Chart::of(x, y, lines).into_iter().collect()
 }
 
-/// The lines of one chart of one run. Only the first has the name.
-fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<Line> {
+/// The lines of one chart of one run. The first has the name; of a sequence and of steps each has, with its motor or its
+/// acceleration.
+fn lines_of(
+    findings: &Findings,
+    kind: usize,
+    colour: usize,
+    name: &str,
+    acceleration: &dyn Fn(u8) -> String,
+) -> Vec<Line> {
     let line = |look, points| Line {
         colour,
         look,
@@ -121,34 +148,23 @@ fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<
         points,
     };
     let mut lines: Vec<Line> = match findings {
-        Findings::Sequence(motors) => {
-            let signal = |trace: &Trace| match kind {
-                0 => pairs(&trace.rpm),
-                _ => pairs(&trace.amps),
-            };
-            let motors = motors.iter().enumerate();
-            motors
-                .map(|(place, (id, trace))| Line {
-                    colour: (colour + place) % RUNS_MAX,
-                    look: Look::Plain,
-                    name: if name.is_empty() {
-                        id.get().to_string()
-                    } else {
-                        format!("{name} ({})", id.get())
-                    },
-                    points: signal(trace),
-                })
-                .collect()
-        }
+        Findings::Sequence(motors) => return sequence_lines(motors, kind, colour, name),
         Findings::Step(found) => {
             let groups = found.groups.iter();
             groups
-                .map(|group| line(Look::Plain, median(group)))
+                .map(|group| Line {
+                    name: format!("{name}, {}", acceleration(group.acceleration.byte())),
+                    ..line(Look::Plain, median(group))
+                })
                 .collect()
         }
-        Findings::Frequency(found) => bode(&found.points, kind)
-            .map(|(look, points)| line(look, points))
-            .collect(),
+        Findings::Frequency(found) => {
+            let measured = bode(&found.points, kind).map(|(look, points)| line(look, points));
+            // Over each other, models would hide the points.
+            let model = modelled(found, kind).filter(|_| name.is_empty());
+            let model = model.map(|points| line(Look::Dotted, points));
+            measured.chain(model).collect()
+        }
         Findings::Friction(found) => {
             let levels = found.levels.iter().map(|level| (level.rpm, level.amps));
             let mut lines = vec![line(Look::Dots, levels.collect())];
@@ -215,6 +231,19 @@ fn lines_of(findings: &Findings, kind: usize, colour: usize, name: &str) -> Vec<
     lines
 }
 
+/// The model over the measured frequencies. The last chart has none.
+fn modelled(found: &FrequencyFindings, kind: usize) -> Option<Vec<(f64, f64)>> {
+    let model = found.model.filter(|_| kind < 2)?;
+    let (first, last) = (found.points.first()?.hz, found.points.last()?.hz);
+    let at = |place: u32| {
+        let part = f64::from(place) / f64::from(MEDIAN_POINTS);
+        let hz = first * (last / first).powf(part);
+        let (gain_db, phase_deg) = model.response(hz);
+        (hz, if kind == 0 { gain_db } else { phase_deg })
+    };
+    Some((0..=MEDIAN_POINTS).map(at).collect())
+}
+
 /// Lines between neighbouring valid points, and crosses at the others: an invalid point is not bridged, nor is a phase
 /// whose turn is unknown.
 fn bode(points: &[BodePoint], kind: usize) -> impl Iterator<Item = (Look, Vec<(f64, f64)>)> {
@@ -243,6 +272,47 @@ fn bode(points: &[BodePoint], kind: usize) -> impl Iterator<Item = (Look, Vec<(f
         .collect();
     let lines = stretches.into_iter().map(|line| (Look::Plain, line));
     lines.chain([(Look::Dots, dots), (Look::Crosses, crosses)])
+}
+
+/// The setpoint and the signal of each motor.
+fn sequence_lines(motors: &[MotorFindings], kind: usize, colour: usize, name: &str) -> Vec<Line> {
+    let (signal, quantity): (fn(&Trace) -> &[Point], _) = match kind {
+        0 => (|trace| &trace.rpm, Quantity::Rpm),
+        _ => (|trace| &trace.amps, Quantity::Amps),
+    };
+    let mut lines = Vec::new();
+    for (place, found) in motors.iter().enumerate() {
+        let (id, trace) = (found.motor.get(), &found.trace);
+        if found.tracking.is_some_and(|it| it.quantity == quantity) {
+            lines.push(Line {
+                colour: (colour + place) % RUNS_MAX,
+                look: Look::Dashed,
+                name: String::new(),
+                points: held(&trace.command, signal(trace)),
+            });
+        }
+        lines.push(Line {
+            colour: (colour + place) % RUNS_MAX,
+            look: Look::Plain,
+            name: if name.is_empty() {
+                id.to_string()
+            } else {
+                format!("{name} ({id})")
+            },
+            points: pairs(signal(trace)),
+        });
+    }
+    lines
+}
+
+/// Setpoints, each kept until the next one, up to the last reply.
+fn held(command: &[Point], replies: &[Point]) -> Vec<(f64, f64)> {
+    let starts = command.iter().skip(1).map(|next| next.t_s);
+    let ends = starts.chain(replies.last().map(|last| last.t_s));
+    let stretches = command.iter().zip(ends);
+    stretches
+        .flat_map(|(point, end_s)| [(point.t_s, point.value), (end_s, point.value)])
+        .collect()
 }
 
 fn pairs(points: &[Point]) -> Vec<(f64, f64)> {

@@ -119,7 +119,7 @@ impl Chart {
     fn path(&self, line: &Line) -> Element {
         let look = match line.look {
             Look::Faint => "faint",
-            Look::Plain => "plain",
+            Look::Plain | Look::Dotted => "plain",
             Look::Dashed => "dashed",
             Look::Dots => "dots",
             Look::Crosses => "crosses",
@@ -150,9 +150,13 @@ impl Chart {
                 }
             }
         }
-        Element::new("path")
+        let element = Element::new("path")
             .with("class", format!("{look} {}", colour(line)))
-            .with("d", path)
+            .with("d", path);
+        match line.look {
+            Look::Dotted => element.with("stroke-dasharray", "2 5"),
+            _ => element,
+        }
     }
 
     fn x_of(&self, value: f64) -> f64 {

@@ -1,11 +1,12 @@
-//! The figures of a run as a table: one row per step, or per point of a Bode plot, with all parameters.
+//! The figures of a run as a table: one row per motor, step, or point of a Bode plot, with all parameters.
 
 use nojson::{DisplayJson, JsonFormatter, json};
 
 use super::RunHeader;
 use crate::{
-    analysis::Invalid,
-    study::{Findings, FrequencyFindings, StepFindings, Study},
+    analysis::{Estimate, FittedModel, Invalid, Lag},
+    sequence::Quantity,
+    study::{Findings, FrequencyFindings, MotorFindings, StepFindings, Study},
 };
 
 /// Figures are rounded to this part of their unit.
@@ -25,7 +26,10 @@ type Row = Vec<(&'static str, Cell)>;
 /// Whether a run of this study has a table of figures.
 #[must_use]
 pub const fn has_figures(study: &Study) -> bool {
-    matches!(study, Study::Step(_) | Study::Frequency(_))
+    matches!(
+        study,
+        Study::Sequence(_) | Study::Step(_) | Study::Frequency(_)
+    )
 }
 
 /// The table as CSV. Every row repeats the parameters, so that tables of several runs can be joined.
@@ -74,11 +78,9 @@ fn parameters(header: &RunHeader, study: &Study) -> Row {
         ("run", whole(header.number.into())),
         ("began_unix_ms", whole(header.began_unix_ms)),
         ("request_hz", whole(header.request_hz)),
-        (
-            "motor",
-            Cell::Number(study.motor().map(|id| id.get().into())),
-        ),
     ];
+    // A sequence has a row for each of its motors.
+    row.extend(study.motor().map(|id| ("motor", whole(id.get().into()))));
     let mut study = study.clone();
     let parameters = study.parameters();
     row.extend(parameters.iter().map(|one| (one.name, whole(one.value()))));
@@ -87,10 +89,28 @@ fn parameters(header: &RunHeader, study: &Study) -> Row {
 
 fn rows(findings: &Findings) -> Vec<Row> {
     match findings {
+        Findings::Sequence(found) => found.iter().map(followed).collect(),
         Findings::Step(found) => steps(found),
         Findings::Frequency(found) => points(found),
         _ => Vec::new(),
     }
+}
+
+fn followed(found: &MotorFindings) -> Row {
+    let of = found.tracking;
+    let unit = of.map_or("", |it| match it.quantity {
+        Quantity::Rpm => "rpm",
+        Quantity::Amps => "A",
+        Quantity::Degrees => "deg",
+    });
+    vec![
+        ("motor", Cell::Number(Some(found.motor.get().into()))),
+        ("setpoint_unit", Cell::Text(unit)),
+        ("replies", Cell::Number(of.map(|it| it.replies.into()))),
+        ("rms_error", Cell::Number(of.map(|it| it.rms))),
+        ("worst_error", Cell::Number(of.map(|it| it.worst))),
+        ("worst_s", Cell::Number(of.map(|it| it.worst_s))),
+    ]
 }
 
 fn steps(found: &StepFindings) -> Vec<Row> {
@@ -101,7 +121,7 @@ fn steps(found: &StepFindings) -> Vec<Row> {
             let figures = repeat.figures;
             let place = u32::try_from(place).map_or(f64::NAN, f64::from);
             let acceleration = f64::from(group.acceleration.byte());
-            vec![
+            let mut row = vec![
                 ("acceleration", Cell::Number(Some(acceleration))),
                 ("repeat", Cell::Number(Some(place + 1.0))),
                 ("at_s", Cell::Number(Some(repeat.at_s))),
@@ -116,7 +136,9 @@ fn steps(found: &StepFindings) -> Vec<Row> {
                 ("peak_rpm", Cell::Number(figures.peak)),
                 ("peak_s", Cell::Number(figures.peak_s)),
                 ("peak_a", Cell::Number(figures.peak_amps)),
-            ]
+            ];
+            row.extend(fitted(group.model));
+            row
         })
     });
     repeats.collect()
@@ -124,7 +146,7 @@ fn steps(found: &StepFindings) -> Vec<Row> {
 
 fn points(found: &FrequencyFindings) -> Vec<Row> {
     let points = found.points.iter().map(|point| {
-        vec![
+        let mut row = vec![
             ("bandwidth_hz", Cell::Number(found.bandwidth_hz)),
             ("hz", Cell::Number(Some(point.hz))),
             ("from_s", Cell::Number(Some(point.from_s))),
@@ -135,9 +157,46 @@ fn points(found: &FrequencyFindings) -> Vec<Row> {
             ("phase_deg", Cell::Number(Some(point.phase_deg))),
             ("turn_is_known", Cell::Flag(point.turn_is_known)),
             ("r_squared", Cell::Number(Some(point.r_squared))),
-        ]
+        ];
+        row.extend(fitted(found.model));
+        row
     });
     points.collect()
+}
+
+/// The model, each value with half of its interval.
+fn fitted(model: Option<FittedModel>) -> Row {
+    let lag = model.map(|model| model.lag);
+    let order = lag.map_or("", |lag| match lag {
+        Lag::First { .. } => "first",
+        Lag::Second { .. } => "second",
+    });
+    let (time_s, natural_hz, damping) = match lag {
+        None => (None, None, None),
+        Some(Lag::First { time_constant_s }) => (Some(time_constant_s), None, None),
+        Some(Lag::Second {
+            natural_hz,
+            damping,
+        }) => (None, Some(natural_hz), Some(damping)),
+    };
+    let value = |of: Option<Estimate>| Cell::Number(of.map(|of| of.value));
+    let interval = |of: Option<Estimate>| Cell::Number(of.map(|of| of.plus_minus));
+    let gain = model.map(|model| model.gain);
+    let dead_s = model.map(|model| model.dead_time_s);
+    vec![
+        ("fit_order", Cell::Text(order)),
+        ("fit_gain", value(gain)),
+        ("fit_gain_interval", interval(gain)),
+        ("fit_dead_s", value(dead_s)),
+        ("fit_dead_s_interval", interval(dead_s)),
+        ("fit_time_s", value(time_s)),
+        ("fit_time_s_interval", interval(time_s)),
+        ("fit_natural_hz", value(natural_hz)),
+        ("fit_natural_hz_interval", interval(natural_hz)),
+        ("fit_damping", value(damping)),
+        ("fit_damping_interval", interval(damping)),
+        ("fit_rms", Cell::Number(model.map(|model| model.rms))),
+    ]
 }
 
 const fn why(invalid: Invalid) -> &'static str {

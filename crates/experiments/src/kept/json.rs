@@ -12,12 +12,13 @@ use super::{
     setpoint::{of_parts, parts},
 };
 use crate::{
+    plan::MOTORS_MAX,
     runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint},
     study::Study,
 };
 
-/// The version of the file format that this program reads and writes.
-const VERSION: u32 = 1;
+/// The version of the file format that this program writes. Version 1, which it also reads, has study and setup as strings.
+const VERSION: u32 = 2;
 
 /// What the signs in a file mean.
 const SIGNS: &str = "+ is forward: speed, current, setpoint and angle of a motor that is mounted mirrored are turned. \
@@ -99,11 +100,11 @@ pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
             f.member("motorlink_run", VERSION)?;
             f.member("number", header.number)?;
             f.member("name", &header.name)?;
-            f.member("study", &header.study)?;
+            f.member("study", Inner(&header.study))?;
             f.member("motors", motors.clone().collect::<Vec<_>>())?;
             f.member("model", &header.model)?;
             f.member("signs", SIGNS)?;
-            f.member("setup", &header.setup)?;
+            f.member("setup", Inner(&header.setup))?;
             f.member("page_version", &header.page_version)?;
             f.member("began_unix_ms", header.began_unix_ms)?;
             f.member("is_started", header.began.is_some())?;
@@ -117,6 +118,18 @@ pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
         })
     });
     format!("{text}\n")
+}
+
+/// A text that is a JSON object, as that object; another text as a string.
+struct Inner<'a>(&'a str);
+
+impl nojson::DisplayJson for Inner<'_> {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> fmt::Result {
+        match RawJson::parse(self.0) {
+            Ok(raw) if raw.value().kind().is_object() => f.value(&raw),
+            _ => f.value(self.0),
+        }
+    }
 }
 
 fn json_row<F: Fn(&mut JsonFormatter<'_, '_>) -> fmt::Result>(write: F) -> Row<F> {
@@ -172,7 +185,7 @@ const fn cause_name(cause: Cause) -> &'static str {
 pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
     let raw = RawJson::parse(text).map_err(|_| JsonError { place: "JSON" })?;
     let file = File(raw.value());
-    if crate::number::whole(file.number("motorlink_run")?) != VERSION {
+    if !(1..=VERSION).contains(&crate::number::whole(file.number("motorlink_run")?)) {
         return Err(JsonError {
             place: "motorlink_run",
         });
@@ -188,10 +201,10 @@ pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
     let header = RunHeader {
         number: crate::number::whole(file.number("number")?),
         name: file.text("name")?,
-        study: file.text("study")?,
+        study: file.inner("study")?,
         motors,
         model: file.text("model")?,
-        setup: file.text("setup")?,
+        setup: file.inner("setup")?,
         page_version: file.text("page_version")?,
         began_unix_ms: file.number_in("began_unix_ms", 0.0..=UNIX_MS_MAX)?,
         began: file.bool("is_started")?.then_some(began),
@@ -215,15 +228,19 @@ pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
     Ok((header, record))
 }
 
-/// The page evaluates what is stored, so the work for it is bounded here: times are in order, and the run of a study begins
-/// each step of its sequence at most once.
+/// The page evaluates what is stored, so the work for it is bounded here: times are in order, every row is of one of at most
+/// 16 motors, and the run of a study begins each step of its sequence at most once.
 fn check(header: &RunHeader, part: &RecordPart) -> Result<()> {
     let marks = part.marks.len();
     let are_many = match header.study() {
         Some(Study::Sequence(_)) | None => false,
         Some(study) => marks > study.sequence().steps.len(),
     };
+    let is_unknown = |id: MotorId| header.motors.iter().all(|(known, _)| *known != id);
     let wrong = [
+        ("motors", header.motors.len() > MOTORS_MAX),
+        ("samples", part.samples.iter().any(|it| is_unknown(it.id))),
+        ("sent", part.sent.iter().any(|it| is_unknown(it.id))),
         ("samples", !part.samples.is_sorted_by_key(|it| it.at)),
         ("sent", !part.sent.is_sorted_by_key(|it| it.at)),
         (
@@ -302,6 +319,16 @@ impl<'a> File<'a> {
 
     fn text(&self, place: &'static str) -> Result<String> {
         string(&self.get(place)?).ok_or(JsonError { place })
+    }
+
+    /// The text of an [`Inner`].
+    fn inner(&self, place: &'static str) -> Result<String> {
+        let value = self.get(place)?;
+        if value.kind().is_object() {
+            Ok(value.as_raw_str().to_owned())
+        } else {
+            self.text(place)
+        }
     }
 
     fn bool(&self, place: &'static str) -> Result<bool> {

@@ -15,12 +15,15 @@ mod setpoint;
 
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
+use nojson::RawJson;
+
 pub use figures::{figures_to_csv, figures_to_json, has_figures};
 pub use json::{JsonError, run_from_json, run_to_json};
 pub use report::{ReportRun, ReportTexts, report};
 
 use crate::{
     runner::{Cause, End, Record},
+    sequence::RunLimits,
     study::{Measured, Study},
 };
 
@@ -80,6 +83,28 @@ impl RunHeader {
     pub fn measured(&self) -> Measured {
         let model = self.model.parse().unwrap_or(Model::Ddsm115);
         Measured::of(model, self.request_hz)
+    }
+
+    /// The limits that were in force: the lower of those of the page and of the sequence.
+    #[must_use]
+    pub fn limits(&self) -> RunLimits {
+        let own = self.study().map(|study| study.sequence().limits);
+        let own = own.unwrap_or_default();
+        let setup = RawJson::parse(&self.setup).ok();
+        let of_page = |name: &str, scale: f64| {
+            let member = setup.as_ref()?.value().to_member(name).ok()?.optional()?;
+            let number = member.as_number_str().ok()?.parse::<f64>().ok()?;
+            Some(number / scale)
+        };
+        let lower = |own: Option<f64>, of_page: Option<f64>| match (own, of_page) {
+            (Some(own), Some(of_page)) => Some(own.min(of_page)),
+            (own, of_page) => own.or(of_page),
+        };
+        RunLimits {
+            rpm: lower(own.rpm, of_page("speed_limit_rpm", 1.0)),
+            amps: lower(own.amps, of_page("current_limit_ma", 1_000.0)),
+            celsius: lower(own.celsius, of_page("temperature_limit_c", 1.0)),
+        }
     }
 
     /// An empty record of this run, for its parts.

@@ -145,6 +145,33 @@ impl Record {
         self.left_out || self.streams.iter().any(|stream| stream.halved > 0)
     }
 
+    /// The replies and setpoints of each motor that has replied, in the order of their IDs.
+    pub(crate) fn by_motor(&self) -> Vec<(MotorId, Self)> {
+        let mut motors: Vec<(MotorId, Self)> = Vec::new();
+        let empty = || Self {
+            began: self.began,
+            end: self.end,
+            ..Self::default()
+        };
+        for sample in &self.samples {
+            let place = motors.iter().position(|(id, _)| *id == sample.id);
+            let place = place.unwrap_or_else(|| {
+                motors.push((sample.id, empty()));
+                motors.len() - 1
+            });
+            if let Some((_, of_motor)) = motors.get_mut(place) {
+                of_motor.samples.push(*sample);
+            }
+        }
+        for sent in &self.sent {
+            if let Some((_, of_motor)) = motors.iter_mut().find(|(id, _)| *id == sent.id) {
+                of_motor.sent.push(*sent);
+            }
+        }
+        motors.sort_by_key(|(id, _)| id.get());
+        motors
+    }
+
     /// Takes the entries since the last call out of the record.
     pub fn take_part(&mut self) -> RecordPart {
         RecordPart {

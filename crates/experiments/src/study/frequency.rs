@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     analysis::{
-        BodePoint, RPM_RESOLUTION, SineRun, Trace, bandwidth_hz, frequency_point, unwrap_phases,
+        BodePoint, FittedModel, RPM_RESOLUTION, SineRun, Trace, bandwidth_hz, bode_model,
+        frequency_point, unwrap_phases,
     },
     runner::Record,
     sequence::{End, HZ_MAX, Problem, Quantity, RunLimits, Sequence, SequenceError, Shape, Wave},
@@ -55,6 +56,8 @@ pub struct FrequencyFindings {
     pub points: Vec<BodePoint>,
     /// Where the gain is 3 dB below that of the first point. See [`bandwidth_hz`].
     pub bandwidth_hz: Option<f64>,
+    /// A model of the valid points.
+    pub model: Option<FittedModel>,
     /// Frequencies that were paused. They have no point.
     pub left_out: usize,
 }
@@ -154,6 +157,7 @@ impl FrequencyStudy {
         let mut found = FrequencyFindings {
             points: Vec::new(),
             bandwidth_hz: None,
+            model: None,
             left_out: 0,
         };
         for span in spans(record) {
@@ -181,6 +185,7 @@ impl FrequencyStudy {
         }
         unwrap_phases(&mut found.points);
         found.bandwidth_hz = bandwidth_hz(&found.points);
+        found.model = bode_model(&found.points);
         found
     }
 }

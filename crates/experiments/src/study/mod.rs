@@ -42,7 +42,7 @@ pub use step::{StepFindings, StepGroup, StepRepeat, StepStudy};
 pub use torque_speed::{TorqueSpeedFindings, TorqueSpeedStudy};
 
 use crate::{
-    analysis::Trace,
+    analysis::{Trace, Tracking, tracking},
     plan::Fleet,
     runner::{Record, SilentSteps},
     sequence::{Problem, Sequence, SequenceError},
@@ -93,8 +93,8 @@ pub enum StudyKind {
 /// The figures and curves that follow from a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Findings {
-    /// The signals of each motor.
-    Sequence(Vec<(MotorId, Trace)>),
+    /// What each motor did.
+    Sequence(Vec<MotorFindings>),
     /// See [`Study::Step`].
     Step(StepFindings),
     /// See [`Study::Frequency`].
@@ -109,6 +109,17 @@ pub enum Findings {
     TorqueSpeed(TorqueSpeedFindings),
     /// See [`Study::Silence`].
     Silence(SilenceFindings),
+}
+
+/// What a motor did in a sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotorFindings {
+    /// Which motor.
+    pub motor: MotorId,
+    /// Its signals.
+    pub trace: Trace,
+    /// How well it followed its setpoints; `None` without a reply to one.
+    pub tracking: Option<Tracking>,
 }
 
 /// How a run was measured.
@@ -277,7 +288,7 @@ impl Study {
     #[must_use]
     pub fn evaluate(&self, record: &Record, measured: &Measured) -> Findings {
         match self {
-            Self::Sequence(_) => Findings::Sequence(traces(record, measured.airtime)),
+            Self::Sequence(_) => Findings::Sequence(motors(record, measured.airtime)),
             Self::Step(study) => Findings::Step(study.evaluate(record, measured)),
             Self::Frequency(study) => Findings::Frequency(study.evaluate(record, measured)),
             Self::Friction(study) => Findings::Friction(study.evaluate(record)),
@@ -289,11 +300,14 @@ impl Study {
     }
 }
 
-fn traces(record: &Record, airtime: Duration) -> Vec<(MotorId, Trace)> {
-    let mut ids: Vec<MotorId> = record.samples().iter().map(|sample| sample.id).collect();
-    ids.sort_by_key(|id| id.get());
-    ids.dedup();
-    ids.into_iter()
-        .map(|id| (id, Trace::with_airtime(record, id, airtime)))
+fn motors(record: &Record, airtime: Duration) -> Vec<MotorFindings> {
+    // A record of each motor, so that the work does not grow with the product of motors and replies.
+    let apart = record.by_motor().into_iter();
+    apart
+        .map(|(motor, record)| MotorFindings {
+            motor,
+            trace: Trace::with_airtime(&record, motor, airtime),
+            tracking: tracking(&record, motor, airtime),
+        })
         .collect()
 }

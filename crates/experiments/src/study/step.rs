@@ -8,7 +8,8 @@ use super::{
 };
 use crate::{
     analysis::{
-        Point, RPM_RESOLUTION, StepFigures, StepRun, StepSummary, Trace, step_figures, step_summary,
+        FittedModel, Point, RPM_RESOLUTION, StepFigures, StepRun, StepSummary, Trace, step_figures,
+        step_model, step_summary,
     },
     runner::Record,
     sequence::{End, Problem, Quantity, RunLimits, Sequence, SequenceError, Shape},
@@ -66,6 +67,8 @@ pub struct StepGroup {
     pub repeats: Vec<StepRepeat>,
     /// Median and spread of their figures.
     pub summary: StepSummary,
+    /// A model of those that have settled; `None` if none has.
+    pub model: Option<FittedModel>,
 }
 
 /// One step.
@@ -191,6 +194,7 @@ impl StepStudy {
                     acceleration: *acceleration,
                     repeats: vec![repeat],
                     summary: step_summary(&[]),
+                    model: None,
                 }),
             }
         }
@@ -198,6 +202,7 @@ impl StepStudy {
             let figures: Vec<StepFigures> =
                 group.repeats.iter().map(|repeat| repeat.figures).collect();
             group.summary = step_summary(&figures);
+            group.model = step_model(&self.parts(group));
         }
         StepFindings {
             from_rpm: self.from_rpm,
@@ -205,6 +210,19 @@ impl StepStudy {
             groups,
             left_out,
         }
+    }
+
+    /// The settled repeats, as parts of the step.
+    fn parts(&self, group: &StepGroup) -> Vec<Vec<Point>> {
+        let part = |point: &Point| {
+            let way = self.to_rpm - self.from_rpm;
+            Point::new(point.t_s, (point.value - self.from_rpm) / way)
+        };
+        let repeats = group.repeats.iter();
+        repeats
+            .filter(|repeat| repeat.figures.settled)
+            .map(|repeat| repeat.rpm.iter().map(part).collect())
+            .collect()
     }
 
     fn repeat(&self, trace: &Trace, at_s: f64, to_s: f64) -> StepRepeat {

@@ -11,6 +11,8 @@ import sys
 
 import control
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import residue
 
 # name, numerator, denominator, setpoint before, setpoint, seconds, replies a second
 SYSTEMS = [
@@ -178,8 +180,143 @@ def sine_figures(replies, sent, hz, from_s, to_s):
     }
 
 
+FITTED_MAX = 400
+
+
+def lag_step(order, parameters, times):
+    """By partial fractions: one exponential for each pole."""
+    gain, dead_s, *lag = parameters
+    below = [lag[0], 1] if order == "first" else [1 / lag[0] ** 2, 2 * lag[1] / lag[0], 1]
+    parts, poles, _ = residue([1], [*below, 0])
+    since = np.maximum(times - dead_s, 0)
+    return gain * sum(part * np.exp(pole * since) for part, pole in zip(parts, poles)).real
+
+
+def lag_response(order, parameters, omega):
+    gain, dead_s, *lag = parameters
+    s = 1j * omega
+    below = lag[0] * s + 1 if order == "first" else (s / lag[0]) ** 2 + 2 * lag[1] * s / lag[0] + 1
+    # The phase of a lag of first or second order does not pass -180 degrees.
+    phase = -np.angle(below)
+    return np.concatenate([np.log(abs(gain / below)), phase - omega * dead_s])
+
+
+def fit(model, measured, starts):
+    """The orders with their parameters and AICc, by scipy."""
+    found = {}
+    for order, parameters in starts:
+        low = [-np.inf, 0] + [1e-4] * (len(parameters) - 2)
+        one = least_squares(lambda it: model(order, it) - measured, parameters, bounds=(low, np.inf), xtol=1e-12,
+                            ftol=1e-12, x_scale=np.maximum(np.abs(parameters), 0.01))
+        if order not in found or one.cost < found[order].cost:
+            found[order] = one
+    rest = found["second"].fun
+    similar = min(max((rest[1:] * rest[:-1]).sum() / (rest**2).sum(), 0), 0.99)
+    independent = len(measured) * (1 - similar) / (1 + similar)
+
+    def aicc(order):
+        count = len(found[order].x) + 1
+        variance = (found[order].fun ** 2).mean()
+        return independent * math.log(variance) + 2 * count * (1 + (count + 1) / (independent - count - 1))
+
+    order = min(found, key=aicc)
+    return order, found[order].x, math.sqrt((found[order].fun ** 2).mean())
+
+
+def fitted_figures(order, parameters, rms):
+    gain, dead_s, *lag = parameters
+    figures = {"fit_order": order, "fit_gain": gain, "fit_dead_s": dead_s, "fit_rms": rms}
+    if order == "first":
+        return figures | {"fit_time_s": lag[0]}
+    return figures | {"fit_natural_hz": lag[0] / (2 * math.pi), "fit_damping": lag[1]}
+
+
+def fitted_steps(rows, replies):
+    """The model of the settled repeats of one acceleration."""
+    repeats = []
+    for row in rows:
+        points = between(replies, float(row["at_s"]), float(row["to_s"]))
+        start, end = float(row["from_rpm"]), float(row["to_rpm"])
+        repeats.append(np.column_stack([points[:, 0] - float(row["at_s"]), (points[:, 1] - start) / (end - start)]))
+    every = -(-sum(map(len, repeats)) // FITTED_MAX)
+    points = np.vstack([repeat[::every] for repeat in repeats])
+    starts = [("first", [1, 0.05, 0.2])] + [("second", [1, 0.02, 10, damping]) for damping in (0.3, 0.99, 2)]
+    return fitted_figures(*fit(lambda order, it: lag_step(order, it, points[:, 0]), points[:, 1], starts))
+
+
+def fitted_points(rows):
+    valid = [row for row in rows if row["valid"] == "true"]
+    omega = 2 * math.pi * np.array([float(row["hz"]) for row in valid])
+    phases = np.array([row["turn_is_known"] == "true" for row in valid])
+    ln = np.array([float(row["gain_db"]) for row in valid]) * math.log(10) / 20
+    rad = np.radians([float(row["phase_deg"]) for row in valid])
+    kept = np.concatenate([np.ones_like(phases), phases])
+    # Gain and phase of a point follow each other, as on the page.
+    order_of_rows = np.argsort(np.concatenate([np.arange(len(valid)) * 2, np.arange(len(valid)) * 2 + 1])[kept])
+    rows_of = lambda both: both[kept][order_of_rows]
+    starts = [("first", [1, 0.01, 0.1])] + [("second", [1, 0.01, 10, damping]) for damping in (0.3, 0.99, 2)]
+    model = lambda order, it: rows_of(lag_response(order, it, omega))
+    return fitted_figures(*fit(model, rows_of(np.concatenate([ln, rad])), starts))
+
+
+def tracking_figures(path, motor, model):
+    """Setpoint less report, with the setpoint that the motor had when it measured."""
+    airtime_s = 100 / BAUD[model]
+    column = {"rpm": "speed_rpm", "A": "current_a", "deg": "angle_deg"}
+    with open(path, newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["motor"] == motor]
+    errors, times, before, now, unit = [], [], None, None, None
+    for row in rows:
+        if not row["sent"]:
+            continue
+        if now is None or row["sent"] != now["sent"]:
+            before, now = now, row
+        had = now if float(now["sent"]) + 2 * airtime_s <= float(row["time"]) + 1e-7 else before
+        if had is None or had["setpoint_unit"] not in column:
+            continue
+        unit = unit or had["setpoint_unit"]
+        if had["setpoint_unit"] == unit and row[column[unit]]:
+            errors.append(float(had["setpoint"]) - float(row[column[unit]]))
+            times.append(float(row["time"]) - airtime_s)
+    errors = np.array(errors)
+    if unit == "deg":
+        errors = (errors + 180) % 360 - 180
+    worst = int(np.argmax(abs(errors)))
+    return {
+        "setpoint_unit": unit,
+        "replies": len(errors),
+        "rms_error": math.sqrt((errors**2).mean()),
+        "worst_error": errors[worst],
+        "worst_s": times[worst],
+    }
+
+
 # How far a figure may be off. The run as CSV has milliamps, and no setpoint whose reply was lost.
-OFF = {"peak_a": 5e-4, "gain_db": 0.03, "phase_deg": 0.3, "r_squared": 1e-4}
+OFF = {"peak_a": 5e-4, "gain_db": 0.03, "phase_deg": 0.3, "r_squared": 1e-4, "replies": 0}
+# How far a value of a model may be off, as a part: two solvers end near the same least sum.
+FIT_OFF = 0.005
+
+
+def compare_fits(rows, replies):
+    """The models of the steps of each acceleration, or of the points."""
+    compared = 0
+    groups = {row.get("acceleration"): [] for row in rows}
+    for row in rows:
+        if row.get("settled") != "false":
+            groups[row.get("acceleration")].append(row)
+    for group in groups.values():
+        if not group or not group[0]["fit_order"]:
+            continue
+        found = fitted_steps(group, replies) if "at_s" in group[0] else fitted_points(group)
+        for name, own in found.items():
+            other = group[0][name]
+            where = f"{name}: {own} here, {other} on the page"
+            if name == "fit_order":
+                assert own == other, where
+                continue
+            assert abs(own - float(other)) <= max(FIT_OFF * abs(own), 1e-4), where
+            compared += 1
+    return compared
 
 
 def compare(run, figures):
@@ -187,6 +324,15 @@ def compare(run, figures):
         rows = list(csv.DictReader(file))
     compared = 0
     for row in rows:
+        if "rms_error" in row:
+            for name, own in tracking_figures(run, row["motor"], row["model"]).items():
+                where = f"{name}: {own} here, {row[name]} on the page"
+                if name == "setpoint_unit":
+                    assert own == row[name], where
+                else:
+                    assert abs(own - float(row[name])) <= OFF.get(name, 1e-4), where
+                    compared += 1
+            continue
         replies, amps, sent = read_run(run, row["motor"], row["model"])
         from_s = float(row.get("at_s") or row["from_s"])
         to_s = float(row["to_s"])
@@ -210,6 +356,8 @@ def compare(run, figures):
                 continue
             assert abs(own - float(other)) <= OFF.get(name, 1e-4), where
             compared += 1
+    if "fit_order" in rows[0]:
+        compared += compare_fits(rows, read_run(run, rows[0]["motor"], rows[0]["model"])[0])
     print(compared)
 
 

@@ -95,6 +95,18 @@ impl Fixture {
         }
     }
 
+    /// Runs to the end. The port takes each setpoint.
+    pub fn follow(&mut self) {
+        while self.stops.is_empty() {
+            self.tick();
+            for (at, id, setpoint) in std::mem::take(&mut self.sent) {
+                self.runner.sent(at, id, setpoint);
+            }
+            self.now = self.now + ms(5);
+            self.reply();
+        }
+    }
+
     pub fn tick(&mut self) {
         match self.runner.tick(self.now) {
             Tick::Idle | Tick::Withhold { .. } => {}

@@ -4,10 +4,14 @@ use js_sys::Array;
 use leptos::prelude::*;
 use motorlink_i18n::{current_language, tr};
 use motorlink_messages::experiments::{
+    analysis::{SetpointRate, setpoint_rate},
     chart::{Chart, file},
     kept::{
-        ReportRun, ReportTexts, figures_to_csv, figures_to_json, record_to_csv, report, run_to_json,
+        ReportRun, ReportTexts, RunHeader, figures_to_csv, figures_to_json, record_to_csv, report,
+        run_to_json,
     },
+    runner::Record,
+    study::StudyKind,
 };
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{
@@ -123,16 +127,38 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
     }
 }
 
+/// The rate of each motor. A run that withholds frames has none.
+fn rates(header: &RunHeader, kind: StudyKind, record: &Record) -> Vec<SetpointRate> {
+    let ids = header.motors.iter().map(|(id, _)| *id);
+    ids.filter(|_| kind != StudyKind::Silence)
+        .filter_map(|id| setpoint_rate(record, id))
+        .collect()
+}
+
 fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
     let header = kept.header(number)?;
-    let kind = header.study()?.kind();
+    let mut study = header.study()?;
+    let kind = study.kind();
     let mut rows = vec![
         (tr!("Study").to_owned(), study_texts::study(kind).to_owned()),
         (tr!("Motor").to_owned(), texts::motors(&header)),
         (tr!("Model").to_owned(), header.model.clone()),
         (tr!("Date").to_owned(), texts::date(&header)),
         (tr!("End").to_owned(), texts::outcome(header.outcome)),
+        (
+            tr!("Limits").to_owned(),
+            study_texts::limits(header.limits()),
+        ),
     ];
+    let named = |(name, value): (&str, String)| (name.to_owned(), value);
+    let rates = kept.with_record(number, |record| rates(&header, kind, record));
+    let rates = rates.and_then(|rates| texts::setpoint_rate(&header, &rates));
+    rows.extend(rates.into_iter().flatten().map(named));
+    rows.extend(study.parameters().iter().map(|parameter| {
+        let (name, unit) = study_texts::parameter(parameter.name);
+        let value = study_texts::number(parameter.value());
+        (name.to_owned(), format!("{value} {unit}"))
+    }));
     let figures = kept
         .findings(number)
         .map(|found| Figures::of(&found, &header.model));

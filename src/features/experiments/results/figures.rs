@@ -2,10 +2,10 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
-    analysis::{Estimate, Spread, StepSummary},
+    analysis::{Estimate, FittedModel, Lag, Spread, StepSummary, Tracking},
     study::{
         CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
-        SilenceFindings, StepFindings, StepGroup, TorqueSpeedFindings,
+        MotorFindings, SilenceFindings, StepFindings, StepGroup, TorqueSpeedFindings,
     },
 };
 
@@ -13,6 +13,7 @@ use motorlink_messages::protocol::family::Model;
 
 use super::texts;
 use crate::{
+    features::experiments::texts as study_texts,
     model::terms,
     ui::format::{UNKNOWN, in_language, rpm},
 };
@@ -59,7 +60,7 @@ impl Figures {
 
     fn of_ddsm115(findings: &Findings) -> Self {
         match findings {
-            Findings::Sequence(_) => Self::default(),
+            Findings::Sequence(found) => sequence(found),
             Findings::Step(found) => step(found),
             Findings::Frequency(found) => frequency(found),
             Findings::Friction(found) => friction(found),
@@ -68,6 +69,42 @@ impl Figures {
             Findings::TorqueSpeed(found) => torque_speed(found),
             Findings::Silence(found) => silence(found),
         }
+    }
+
+    /// The figures of several runs of one study as one table, a column or more for each.
+    pub(super) fn beside_each_other(runs: impl IntoIterator<Item = (String, Self)>) -> Self {
+        let mut all = Self::default();
+        for (name, run) in runs {
+            // A run without figures has none in any row.
+            let width = run.rows.first().map_or(1, |row| row.values.len());
+            let before = all.columns.len();
+            all.columns.extend((0..width).map(|place| {
+                let of = run.columns.get(place).filter(|of| !of.is_empty());
+                of.map_or_else(|| name.clone(), |of| format!("{name}, {of}"))
+            }));
+            for Figure { name, values } in run.rows {
+                let known = all.rows.iter().position(|row| row.name == name);
+                let place = known.unwrap_or_else(|| {
+                    let values = vec![UNKNOWN.to_owned(); before];
+                    all.rows.push(Figure { name, values });
+                    all.rows.len() - 1
+                });
+                if let Some(row) = all.rows.get_mut(place) {
+                    row.values.extend(values);
+                }
+            }
+            for row in &mut all.rows {
+                row.values.resize(before + width, UNKNOWN.to_owned());
+            }
+            for (list, texts) in [(&mut all.meaning, run.meaning), (&mut all.maker, run.maker)] {
+                for text in texts {
+                    if !list.contains(&text) {
+                        list.push(text);
+                    }
+                }
+            }
+        }
+        all
     }
 
     fn row(&mut self, name: &'static str, value: Option<String>) {
@@ -86,6 +123,57 @@ impl Figures {
             |found| estimate(found, factor, unit),
         );
         self.row(name, Some(value));
+    }
+
+    /// The fitted models, if there is one. `step_rpm` gives the unit of their residuals.
+    fn model(&mut self, models: &[Option<FittedModel>], step_rpm: Option<f64>) {
+        if models.iter().all(Option::is_none) {
+            return;
+        }
+        let mut row = |name: &'static str, value: &dyn Fn(&FittedModel) -> Option<String>| {
+            let values: Vec<Option<String>> = models.iter().map(|it| value(it.as_ref()?)).collect();
+            if values.iter().any(Option::is_some) {
+                let text = |it: Option<String>| it.unwrap_or_else(|| UNKNOWN.to_owned());
+                let values = values.into_iter().map(text).collect();
+                self.rows.push(Figure { name, values });
+            }
+        };
+        let known = |found: Estimate, factor: f64, unit: &str| {
+            if found.is_measurable() {
+                estimate(found, factor, unit).trim_end().to_owned()
+            } else {
+                tr!("not measurable").to_owned()
+            }
+        };
+        row(tr!("Fitted model"), &|model| {
+            Some(match model.lag {
+                Lag::First { .. } => tr!("dead time, first order").to_owned(),
+                Lag::Second { .. } => tr!("dead time, second order").to_owned(),
+            })
+        });
+        row(tr!("Gain"), &|model| Some(known(model.gain, 1.0, "")));
+        row(tr!("Dead time"), &|model| {
+            Some(known(model.dead_time_s, 1e3, "ms"))
+        });
+        row(tr!("Time constant"), &|model| match model.lag {
+            Lag::First { time_constant_s } => Some(known(time_constant_s, 1e3, "ms")),
+            Lag::Second { .. } => None,
+        });
+        row(tr!("Natural frequency"), &|model| match model.lag {
+            Lag::First { .. } => None,
+            Lag::Second { natural_hz, .. } => Some(known(natural_hz, 1.0, "Hz")),
+        });
+        row(tr!("Damping ratio"), &|model| match model.lag {
+            Lag::First { .. } => None,
+            Lag::Second { damping, .. } => Some(known(damping, 1.0, "")),
+        });
+        row(tr!("Model error, RMS"), &|model| {
+            let error = number(model.rms * step_rpm?, 1);
+            Some(format!("{error} {}", rpm()))
+        });
+        self.says(tr!(
+            "The dotted line is the model. Its order is the one with the lower AICc, and an interval (±) of 99 % needs three repeats."
+        ));
     }
 
     fn intervals(&mut self) {
@@ -152,7 +240,7 @@ fn estimate(found: Estimate, factor: f64, unit: &str) -> String {
     format!("{value} ± {} {unit}", number(plus_minus, decimals))
 }
 
-fn number(value: f64, decimals: usize) -> String {
+pub(super) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
     let text = if is_zero {
@@ -161,6 +249,43 @@ fn number(value: f64, decimals: usize) -> String {
         text.replace('-', "\u{2212}")
     };
     in_language(text)
+}
+
+fn sequence(found: &[MotorFindings]) -> Figures {
+    let mut figures = Figures {
+        columns: found.iter().map(|it| it.motor.get().to_string()).collect(),
+        ..Figures::default()
+    };
+    let of = |value: &dyn Fn(&Tracking, &str) -> String| {
+        let text = |motor: &MotorFindings| {
+            let tracking = motor.tracking.as_ref();
+            tracking.map_or_else(
+                || UNKNOWN.to_owned(),
+                |it| value(it, study_texts::unit(it.quantity)),
+            )
+        };
+        found.iter().map(text).collect::<Vec<_>>()
+    };
+    let rms = of(&|it, unit| format!("{} {unit}", number(it.rms, 2)));
+    let worst = of(&|it, unit| {
+        let at_s = number(it.worst_s, 2);
+        let worst = number(it.worst, 2);
+        tr!("{worst} {unit} at {at_s} s", worst, unit, at_s)
+    });
+    figures.rows = vec![
+        Figure {
+            name: tr!("Tracking error, RMS"),
+            values: rms,
+        },
+        Figure {
+            name: tr!("Tracking error, worst"),
+            values: worst,
+        },
+    ];
+    figures.says(tr!(
+        "Setpoint less reported value at the same time, over all replies with a setpoint. A step counts in full until the motor has followed."
+    ));
+    figures
 }
 
 /// What a figure of a step follows from.
@@ -239,6 +364,8 @@ fn step(found: &StepFindings) -> Figures {
             Figure { name, values }
         })
         .collect();
+    let models: Vec<_> = found.groups.iter().map(|group| group.model).collect();
+    figures.model(&models, Some(step));
     let total: usize = found.groups.iter().map(|group| group.repeats.len()).sum();
     let settled: usize = found.groups.iter().map(|group| group.summary.settled).sum();
     if settled < total {
@@ -271,6 +398,7 @@ fn frequency(found: &FrequencyFindings) -> Figures {
         tr!("Valid points"),
         Some(format!("{} / {}", valid().count(), found.points.len())),
     );
+    figures.model(&[found.model], None);
     for point in &found.points {
         if let Some(why) = point.invalid {
             figures.says(tr!(
@@ -472,6 +600,7 @@ mod tests {
                 acceleration: Acceleration::new(10),
                 repeats: vec![repeat],
                 summary: step_summary(&[figures]),
+                model: None,
             }],
             left_out: 0,
         });
@@ -493,6 +622,26 @@ mod tests {
             assert_eq!(value(name).as_deref(), Some("not settled"));
         }
         assert!(figures.meaning[0].starts_with("Not settled within the hold: 1 of 1."));
+    }
+
+    #[test]
+    fn runs_beside_each_other_share_their_rows() {
+        let of = |hz: Option<f64>| {
+            let found = FrequencyFindings {
+                points: Vec::new(),
+                bandwidth_hz: hz,
+                model: None,
+                left_out: 0,
+            };
+            Figures::of(&Findings::Frequency(found), "DDSM115")
+        };
+        let runs = [("a", of(Some(3.0))), ("b", of(None))];
+        let runs = runs.map(|(name, figures)| (name.to_owned(), figures));
+        let table = Figures::beside_each_other(runs);
+        assert_eq!(table.columns, ["a", "b"]);
+        assert_eq!(table.rows[0].values, ["3.00 Hz", "not measurable"]);
+        assert_eq!(table.rows[1].values, ["0 / 0", "0 / 0"]);
+        assert_eq!(table.meaning.len(), 1);
     }
 
     #[test]
@@ -528,6 +677,7 @@ mod tests {
                 invalid: Some(Invalid::TooSmall),
             }],
             bandwidth_hz: None,
+            model: None,
             left_out: 0,
         });
         let figures = Figures::of(&found, "DDSM115");

@@ -70,7 +70,9 @@ impl Choice {
             };
             let is_missing = self.chosen_format().is_some_and(Format::is_of_figures)
                 && marked.iter().any(|number| has(number).is_none());
-            is_missing.then(|| tr!("Only step and frequency responses have this table.").to_owned())
+            is_missing.then(|| {
+                tr!("Only sequences, step and frequency responses have this table.").to_owned()
+            })
         };
         self.none_marked().or_else(reading).or_else(has_none)
     }

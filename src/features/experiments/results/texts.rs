@@ -2,12 +2,13 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
-    analysis::Invalid,
+    analysis::{Invalid, SetpointRate},
     chart::AxisName,
     kept::{Outcome, RunHeader},
     runner::End,
 };
 
+use super::figures::number;
 use crate::{
     features::experiments::texts,
     ui::{
@@ -72,6 +73,36 @@ pub(super) fn motors(run: &RunHeader) -> String {
         })
         .collect();
     motors.join(", ")
+}
+
+/// What tells a run from others beside it: `Step response, 1 (front left), 27/11/2026 14:02:11`.
+pub(super) fn legend(run: &RunHeader) -> String {
+    format!("{}, {}, {}", run.name, motors(run), date(run))
+}
+
+/// What was asked of each motor and what the line carried; `None` if the record does not tell it.
+pub(super) fn setpoint_rate(
+    run: &RunHeader,
+    rates: &[SetpointRate],
+) -> Option<[(&'static str, String); 2]> {
+    let list = |of: &dyn Fn(&SetpointRate) -> f64, decimals| {
+        let numbers = rates.iter().map(|rate| number(of(rate), decimals));
+        numbers.collect::<Vec<_>>().join(", ")
+    };
+    let asked = texts::number(run.request_hz);
+    let achieved = list(&|rate| rate.achieved_hz, 1);
+    (!rates.is_empty()).then(|| {
+        [
+            (
+                tr!("Setpoints a second"),
+                tr!("asked {asked}, achieved {achieved}", asked, achieved),
+            ),
+            (
+                tr!("Lost replies"),
+                format!("{} %", list(&|rate| 100.0 * rate.lost, 1)),
+            ),
+        ]
+    })
 }
 
 /// The local date and time of its start.

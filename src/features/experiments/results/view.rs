@@ -26,11 +26,11 @@ pub(super) fn charts_of(kept: KeptRuns, shown: &[u32]) -> Vec<Chart> {
     let runs: Vec<(String, Findings)> = shown
         .iter()
         .filter_map(|number| {
-            let name = kept.header(*number)?.name;
+            let name = names::legend(&kept.header(*number)?);
             Some((name, kept.findings(*number)?.as_ref().clone()))
         })
         .collect();
-    compared_charts(&runs)
+    compared_charts(&runs, &names::acceleration)
 }
 
 /// The charts. `shown` has the numbers of the runs.
@@ -64,11 +64,22 @@ pub(crate) fn RunChart(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView
     }
 }
 
-/// The figures of each run with what they mean.
+/// The figures of a run with what they mean; of several runs beside each other.
 #[component]
 pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView {
+    let compared = move || {
+        let shown = shown.get();
+        let runs = shown.iter().filter_map(|number| {
+            let header = kept.header(*number)?;
+            let found = kept.findings(*number)?;
+            let figures = Figures::of(&found, &header.model);
+            Some((names::legend(&header), figures))
+        });
+        (shown.len() > 1).then(|| figures_view(Figures::beside_each_other(runs)))
+    };
     let runs = move || {
         let shown = shown.get();
+        let shown = if shown.len() > 1 { Vec::new() } else { shown };
         let runs = shown.into_iter().filter_map(move |number| {
             let header = kept.header(number)?;
             let figures = kept
@@ -85,7 +96,7 @@ pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoVi
         });
         runs.collect_view()
     };
-    view! { <div class="run-results">{runs}</div> }
+    view! { <div class="run-results">{compared} {runs}</div> }
 }
 
 fn figures_view(figures: Figures) -> impl IntoView {
