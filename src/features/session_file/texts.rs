@@ -158,6 +158,9 @@ pub(super) fn of_problem(problem: Problem, times: u64) -> String {
         Problem::NoDate => {
             tr!("The file has times of day without a date. They are shown as of 1 January 1970.")
         }
+        Problem::TimeLost => tr!(
+            "The time of a line of the CSV file could not be read, or has no date, and the line was left out. A spreadsheet program can change times: open the file as it was exported."
+        ),
     };
     if times > 1 {
         tr!("{text} ({times} times)", text, times = grouped(times))

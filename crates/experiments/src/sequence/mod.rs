@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{Acceleration, MotorId};
 
-pub use csv::{from_csv, text_of};
+pub use csv::{Decoder, from_csv, separator_of, text_of};
 pub use error::{Problem, SequenceError};
 pub use schema::schema;
 pub use template::Template;

@@ -66,6 +66,8 @@ pub enum Problem {
     LineDamaged,
     /// The times of a CSV file have no date, so they begin in 1970.
     NoDate,
+    /// The time of a line of a CSV file could not be read, or has no date unlike the first one.
+    TimeLost,
 }
 
 /// A text with a hint what to do, if something can be done.
@@ -96,6 +98,9 @@ impl fmt::Display for Problem {
             Self::AttachmentDamaged => "An attached file is damaged and was left out.",
             Self::LineDamaged => "A line of the CSV file could not be read and was left out.",
             Self::NoDate => "The file has times of day without a date. They are shown as of 1 January 1970.",
+            Self::TimeLost => {
+                "The time of a line of the CSV file could not be read, or has no date, and the line was left out. A spreadsheet program can change times: open the file as it was exported."
+            }
         })
     }
 }

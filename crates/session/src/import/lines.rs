@@ -1,6 +1,6 @@
 //! Splits a CSV file into lines with `csv-core`, in bounded memory.
 
-use csv_core::{ReadRecordResult, Reader};
+use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 /// Maximal bytes per line. The longest texts of the page have a thousand.
 const LINE_BYTES_MAX: usize = 8 << 10;
@@ -20,10 +20,11 @@ pub(super) struct Lines {
     is_too_long: bool,
 }
 
-impl Default for Lines {
-    fn default() -> Self {
+impl Lines {
+    /// Lines whose cells this byte separates.
+    pub(super) fn new(separator: u8) -> Self {
         Self {
-            reader: Reader::new(),
+            reader: ReaderBuilder::new().delimiter(separator).build(),
             text: vec![0; LINE_BYTES_MAX],
             ends: vec![0; CELLS_MAX],
             text_len: 0,
@@ -31,21 +32,22 @@ impl Default for Lines {
             is_too_long: false,
         }
     }
-}
 
-impl Lines {
-    /// Takes bytes, and passes every completed line to `line`: `None` if it is too long or not UTF-8.
-    pub(super) fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(Option<&[&str]>)) {
+    /// Takes bytes, and passes every completed line to `line`: `None` if it is too long or not UTF-8. The last line need have
+    /// no line break.
+    pub(super) fn feed(
+        &mut self,
+        bytes: &[u8],
+        is_last: bool,
+        mut line: impl FnMut(Option<&[&str]>),
+    ) {
         let mut rest = bytes;
-        while !rest.is_empty() {
-            let (_, read) = self.step(rest, &mut line);
+        let mut has_ended = !is_last;
+        while !rest.is_empty() || !has_ended {
+            let (ended, read) = self.step(rest, &mut line);
+            has_ended |= ended;
             rest = rest.get(read..).unwrap_or_default();
         }
-    }
-
-    /// Passes the last line to `line` if it has no line break.
-    pub(super) fn end(&mut self, mut line: impl FnMut(Option<&[&str]>)) {
-        while !self.step(&[], &mut line).0 {}
     }
 
     /// Returns whether the file has ended, and how many bytes were read.
@@ -90,15 +92,15 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8], piece: usize) -> Vec<Option<Vec<String>>> {
-        let mut lines = Lines::default();
+        let mut lines = Lines::new(b',');
         let mut read = Vec::new();
         let mut keep = |cells: Option<&[&str]>| {
             read.push(cells.map(|cells| cells.iter().map(|cell| (*cell).to_owned()).collect()));
         };
         for piece in text.chunks(piece) {
-            lines.feed(piece, &mut keep);
+            lines.feed(piece, false, &mut keep);
         }
-        lines.end(&mut keep);
+        lines.feed(&[], true, &mut keep);
         read
     }
 

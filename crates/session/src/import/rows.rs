@@ -11,6 +11,7 @@ use motorlink_recorder::{REPLY, spelled_out, unmarked};
 
 use super::times::Time;
 use crate::{
+    reader::Problem,
     record::{Event, EventKind},
     writer::Writer,
 };
@@ -25,12 +26,10 @@ pub(super) enum Columns {
 }
 
 impl Columns {
-    /// The columns by the first line. A byte order mark is skipped: our log has one, and some programs add one when
-    /// they save a file.
+    /// The columns by the first line.
     pub(super) fn of_head(head: &[&str]) -> Option<Self> {
         let (first, rest) = head.split_first()?;
-        let first = first.trim_start_matches('\u{FEFF}');
-        Some(match (first, rest) {
+        Some(match (*first, rest) {
             ("time", ["elapsed_s", "direction", "id", "hex", "meaning"]) => Self::Log,
             ("timestamp", ["motor_id", .., "raw_hex"]) if rest.len() == 9 => Self::Telemetry,
             ("Timestamp", ["Type", "Content"]) => Self::Original,
@@ -78,10 +77,16 @@ impl Rows {
         }
     }
 
-    /// Parses the cells of a line; `None` if they are invalid.
-    pub(super) fn read<'a>(&self, cells: &[&'a str]) -> Option<Line<'a>> {
-        let time = Time::read(cells.first()?)?;
-        let content = match (self.columns, cells) {
+    /// Parses the cells of a line.
+    pub(super) fn read<'a>(&self, cells: &[&'a str]) -> Result<Line<'a>, Problem> {
+        let content = self.content(cells).ok_or(Problem::LineDamaged)?;
+        let time = cells.first().and_then(|time| Time::read(time));
+        let time = time.ok_or(Problem::TimeLost)?;
+        Ok(Line { time, content })
+    }
+
+    fn content<'a>(&self, cells: &[&'a str]) -> Option<Content<'a>> {
+        Some(match (self.columns, cells) {
             (Columns::Log, [_, _, direction, id, hex, meaning]) => {
                 log_line(direction, id, hex, meaning)?
             }
@@ -100,8 +105,7 @@ impl Rows {
             }
             (Columns::Original, [_, kind, content]) => original_line(kind, content)?,
             _ => return None,
-        };
-        Some(Line { time, content })
+        })
     }
 
     /// Writes a line to the session.

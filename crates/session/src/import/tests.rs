@@ -174,6 +174,70 @@ fn the_log_of_the_original_page_is_read() {
     assert_eq!((error.kind, error.error), (EventKind::Notice, true));
 }
 
+/// As spreadsheet programs save a file again.
+#[test]
+fn a_file_with_another_separator_or_in_utf_16_is_read() {
+    let log = String::from_utf8(exported(CsvLines::of_log(Charset::Utf8))).unwrap();
+    let log = log.trim_start_matches('\u{FEFF}');
+    let with = |separator: char| {
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.has_headers(false).from_reader(log.as_bytes());
+        let mut writer = csv::WriterBuilder::new();
+        let separator = u8::try_from(separator).unwrap();
+        let mut writer = writer.delimiter(separator).from_writer(Vec::new());
+        for row in reader.records() {
+            writer.write_record(&row.unwrap()).unwrap();
+        }
+        String::from_utf8(writer.into_inner().unwrap()).unwrap()
+    };
+    let texts = [
+        with(';'),
+        format!("\u{FEFF}{}", with(';')),
+        format!("sep=;\r\n{}", with(';')),
+        format!("sep=|\n{}", with('|')),
+        with('\t'),
+    ];
+    for text in texts {
+        let utf_16 = |unit: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            let text = format!("\u{FEFF}{}", text.trim_start_matches('\u{FEFF}'));
+            text.encode_utf16().flat_map(unit).collect()
+        };
+        for file in [
+            text.clone().into_bytes(),
+            utf_16(u16::to_le_bytes),
+            utf_16(u16::to_be_bytes),
+        ] {
+            assert_eq!(
+                open(&mut &file[..]).unwrap().unwrap_err(),
+                NotASession::Text
+            );
+            for piece in [1, 7, file.len()] {
+                let (records, problems) = import(&file, piece).unwrap();
+                assert!(problems.is_empty(), "{text}: {problems}");
+                assert_eq!(lines(&records), sample(), "{text}");
+            }
+        }
+    }
+}
+
+/// `15:36.9` is what Excel makes of a time of day.
+#[test]
+fn a_line_whose_time_is_lost_is_left_out_with_its_cause() {
+    let csv = "time,elapsed_s,direction,id,hex,meaning
+2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 74 00 00 00 00 00 00 00 04,feedback query
+13:15:36.965,0.003,TX,0x01,01 74 00 00 00 00 00 00 00 04,feedback query
+15:36.9,0.006,TX,0x01,01 74 00 00 00 00 00 00 00 04,feedback query
+2026-11-21T13:15:37.962Z,1.000,TX,0x01,01 74 00 00 00 00 00 00 00 04,feedback query
+";
+    let (records, problems) = import(csv.as_bytes(), 7).unwrap();
+    let at: Vec<_> = records.iter().map(|record| record.at.as_micros()).collect();
+    assert_eq!(at, [0, 1_000_000]);
+    assert_eq!(
+        problems.iter().collect::<Vec<_>>(),
+        [(Problem::TimeLost, 2)]
+    );
+}
+
 #[test]
 fn another_text_is_no_session() {
     for other in ["", "\n", "a,b\n1,2\n", "{}", "time,elapsed_s\n"] {

@@ -19,9 +19,9 @@ impl Time {
         matches!(self, Self::Utc(_))
     }
 
-    /// Reads `2026-11-21T13:15:36.962Z` or `13:15:36.962`.
+    /// Reads `2026-11-21T13:15:36.962Z`, the same as pandas writes it, `2026-11-21 13:15:36.962000+00:00`, or `13:15:36.962`.
     pub(super) fn read(text: &str) -> Option<Self> {
-        let Some((date, clock)) = text.split_once('T') else {
+        let Some((date, clock)) = text.split_once(['T', ' ']) else {
             return Some(Self::OfDay(clock_us(text)?));
         };
         let mut parts = date.split('-');
@@ -31,14 +31,15 @@ impl Time {
             return None;
         }
         let days = days_from_civil(year, month, day);
-        let clock_us = clock_us(clock.strip_suffix('Z')?)?;
+        let clock = clock.strip_suffix('Z').or(clock.strip_suffix("+00:00"));
+        let clock_us = clock_us(clock?)?;
         Some(Self::Utc(days * SECONDS_A_DAY * US_A_SECOND + clock_us))
     }
 }
 
-/// `13:15:36.962`, or without a fraction, or with up to six digits of it.
+/// `13:15:36.962`, or without a fraction, or with up to six digits of it, behind a comma where that is the decimal mark.
 fn clock_us(text: &str) -> Option<i64> {
-    let (clock, fraction) = text.split_once('.').unwrap_or((text, "0"));
+    let (clock, fraction) = text.split_once(['.', ',']).unwrap_or((text, "0"));
     let mut parts = clock.split(':');
     let mut number = || parts.next().and_then(|part| digits_of(part, 2));
     let (hours, minutes, seconds) = (number()?, number()?, number()?);
@@ -103,6 +104,8 @@ mod tests {
         // By `date -u -d 2026-11-21T13:15:36Z +%s`.
         let sample = Some(Time::Utc(1_795_266_936_962_000));
         assert_eq!(Time::read("2026-11-21T13:15:36.962Z"), sample);
+        assert_eq!(Time::read("2026-11-21 13:15:36.962000+00:00"), sample);
+        assert_eq!(Time::read("13:15:36,962"), Time::read("13:15:36.962"));
         assert_eq!(Time::read("1970-01-01T00:00:00.000Z"), Some(Time::Utc(0)));
         assert_eq!(
             Time::read("2000-02-29T00:00:00.000Z"),
@@ -117,6 +120,8 @@ mod tests {
             "T",
             "2026-11-21",
             "2026-11-21T13:15:36.962",
+            "2026-11-21 13:15:36",
+            "15:36.9",
             "2026-13-01T00:00:00.000Z",
             "24:00:00",
             "1:2:3",

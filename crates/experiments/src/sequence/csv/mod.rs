@@ -12,7 +12,7 @@ mod rows;
 
 use motorlink_protocol::{Acceleration, MotorId, SpeedTarget};
 
-pub use dialect::text_of;
+pub use dialect::{Decoder, separator_of, text_of};
 
 use super::{
     AMPS_MAX, Action, DEGREES_MAX, End, Move, Problem, Quantity, STEPS_MAX, Selection, Sequence,
