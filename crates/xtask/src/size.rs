@@ -87,15 +87,15 @@ const PARTS: [Part; 18] = [
     // correlated noise, read the CSV files of spreadsheets, and describe a robot of any number of wheels. 16,000 say what
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording.
-    part("experiments", When::Asked, &["experiments"], 287_000),
+    part("experiments", When::Asked, &["experiments"], 287_600),
     part("help", When::Behind, &["help.", "help-"], 8_400),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
     // the panel Experiments has in common with the others. The choice of how much is saved takes 900, and
     // 900 read JSON faster. 3,500 are values that a reply may lack. 1,500 hold
     // the wheels and measures of a vehicle, which the export for ROS 2 needs too. 400 are what the round trips of the motors
-    // say before a run.
-    part("shared", When::Behind, &["chunk"], 83_200),
+    // say before a run. 200 find the separators of a CSV file.
+    part("shared", When::Behind, &["chunk"], 83_400),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000).
@@ -107,8 +107,8 @@ const PARTS: [Part; 18] = [
     // the rules of echoes and loops, which a replay applies as the bus does. 14,500 check a run against the steps of its study,
     // thin it by motor and kind, and turn mirrored motors. 2,000 read files without chunks or an index, and CSV files that a
     // spreadsheet program has saved again. 1,900 write study and setup as objects, and refuse rows of motors that a run does
-    // not have.
-    part("session worker", When::Asked, &["sessions-"], 253_200),
+    // not have. 400 are the setup of a file, whose names a replay shows.
+    part("session worker", When::Asked, &["sessions-"], 253_800),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     part("runs", When::Asked, &["runs-"], 83_900),
     part(
@@ -124,9 +124,10 @@ const PARTS: [Part; 18] = [
         &["help/en", "help/wiring"],
         9_000,
     ),
-    // 1,200 say in each that a wheel may keep turning, and what to do then. 400 are for figures that do not hold.
-    part("German", When::Asked, &["texts-de", "help/de"], 28_800),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 28_100),
+    // 1,200 say in each that a wheel may keep turning, and what to do then. 800 are for figures that do not hold, rates and fitted
+    // models.
+    part("German", When::Asked, &["texts-de", "help/de"], 29_100),
+    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 28_500),
     part("server", When::Asked, &["."], 1_000),
 ];
 
