@@ -282,7 +282,7 @@ fn sequence_lines(motors: &[MotorFindings], kind: usize, colour: usize, name: &s
     };
     let mut lines = Vec::new();
     for (place, found) in motors.iter().enumerate() {
-        let (id, trace) = (found.motor.get(), &found.trace);
+        let (id, trace) = (found.motor, &found.trace);
         if found.tracking.is_some_and(|it| it.quantity == quantity) {
             lines.push(Line {
                 colour: (colour + place) % RUNS_MAX,
