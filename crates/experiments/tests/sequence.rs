@@ -416,8 +416,8 @@ fn the_csv_of_a_run_is_read_as_the_setpoints_that_were_sent() {
 #[test]
 fn the_file_for_plotting_of_a_recording_is_read_with_mirrored_motors_turned() {
     let text = "\
-time,motor_1_speed_rpm,motor_1_current_a,motor_1_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_setpoint,motor_1_setpoint_mode,\
-motor_7_speed_rpm,motor_7_current_a,motor_7_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_setpoint,motor_7_setpoint_mode\r
+time,motor_1_unmirrored_speed_rpm,motor_1_unmirrored_current_a,motor_1_unmirrored_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_unmirrored_setpoint,motor_1_setpoint_mode,\
+motor_7_unmirrored_speed_rpm,motor_7_unmirrored_current_a,motor_7_unmirrored_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_unmirrored_setpoint,motor_7_setpoint_mode\r
 0.000000,,,,,,,,,100,0.002,125.6,33,2,0,,\r
 0.004000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
 0.020000,-100,-0.250,66.96,,1,8,-0.250,1,,,,,,,,\r
@@ -447,6 +447,8 @@ motor_7_speed_rpm,motor_7_current_a,motor_7_position_deg,motor_7_temperature_c,m
     assert_eq!(read(&[]), [seventh(-100.0), first.clone()]);
     let seven = MotorId::new(7).unwrap();
     assert_eq!(read(&[seven]), [seventh(100.0), first]);
+    let of_before = from_csv(&text.replace("_unmirrored", ""), &[]).unwrap();
+    assert_eq!(of_before.steps.len(), 2, "columns without a sign");
     let open_loop = text.replacen(",-100,2", ",-100,0", 1);
     let error = from_csv(&open_loop, &[]).unwrap_err();
     assert_eq!(

@@ -60,10 +60,12 @@ impl Columns {
             .enumerate()
             .filter_map(|(setpoint, name)| {
                 let motor = name.strip_prefix("motor_")?.strip_suffix("_setpoint")?;
+                // Files of before do not name the sign.
+                let motor = motor.strip_suffix("_unmirrored").unwrap_or(motor);
                 Some(PlotColumn {
                     motor: motor.parse().ok()?,
                     setpoint,
-                    mode: find(&format!("{name}_mode"))?,
+                    mode: find(&format!("motor_{motor}_setpoint_mode"))?,
                 })
             })
             .collect();
