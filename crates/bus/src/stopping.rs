@@ -7,6 +7,7 @@ use crate::{
     event::{Event, StopOutcome, StopReason},
     exchange::Line,
     motor::{Control, Motor, Rest},
+    standstill::Standstill,
     stop::{ActiveStop, Stopping},
     timing::stop_patience,
 };
@@ -60,6 +61,8 @@ impl Bus {
             }
             let (fresh, last) = motor.known_loop(now);
             motor.stops(Stopping::begin(now, fresh, last, round));
+            // A wheel that stood until now may turn: only later angles count.
+            motor.standstill = Standstill::default();
         }
         match &mut self.stop {
             Some(stop) => stop.join(reason),

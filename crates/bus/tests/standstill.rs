@@ -138,3 +138,20 @@ fn an_angle_that_does_not_fit_the_motion_is_not_held() {
         assert!(fixture.true_rpm().abs() < 1.0);
     }
 }
+
+/// A load may hold a wheel until the stop begins. The angles of that time say nothing of the wheel afterwards. Found by
+/// seed 4561 of a motor that keeps its command.
+#[test]
+fn a_stop_is_confirmed_by_angles_of_its_own() {
+    for model in Model::ALL {
+        let mut fixture = stuck_speed(model);
+        fixture.drive(rpm(0)).unwrap();
+        fixture.run(ms(2_000));
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(25));
+        assert_eq!(outcome(&fixture), None, "{model}");
+        fixture.run(ms(575));
+        let outcome = outcome(&fixture);
+        assert!(outcome.is_some_and(|outcome| outcome.confirmed), "{model}");
+    }
+}

@@ -1,6 +1,5 @@
 //! What a stop says of itself, and what it never sends: changes of the code that other tests let pass.
 
-use crate::fixture;
 use crate::fixture::{Fixture, ID, degrees, id, ms, rpm, two};
 use motorlink_bus::{Command, Consent, Event, Output, StopReason, StopReport};
 use motorlink_protocol::{Mode, Rpm, Setpoint};
@@ -131,10 +130,9 @@ fn a_motor_that_stays_in_the_position_loop_gets_no_brake_and_is_not_confirmed() 
     assert_eq!(outcome.speed.map(Rpm::magnitude), Some(0));
 }
 
-/// Either it receives the switches although its replies are lost, or it receives nothing: then the
-/// brake is harmless.
+/// Its replies are lost, or it receives nothing. Then a brake could be the first frame that arrives, and turn the wheel.
 #[test]
-fn a_motor_that_falls_silent_in_the_position_loop_gets_the_brake_behind_its_switches() {
+fn a_motor_that_falls_silent_in_the_position_loop_gets_switches_and_no_brake() {
     let mut fixture = Fixture::one_motor();
     fixture.switch(Mode::Position);
     fixture.drive(degrees(120.0)).unwrap();
@@ -143,10 +141,9 @@ fn a_motor_that_falls_silent_in_the_position_loop_gets_the_brake_behind_its_swit
     fixture.world.motor_mut(ID).unwrap().mute(true);
     fixture.command(Command::Stop(ID)).unwrap();
     fixture.run_until(ms(4_000), is_over);
-    let is_brake = |sent: &&fixture::Sent| sent.drive_of(ID) == Some(Setpoint::Brake.into());
-    let first = fixture.sent.iter().find(is_brake).expect("a brake").at;
-    let before = fixture.sent.iter().filter(|sent| sent.at < first);
-    assert!(before.filter(|sent| sent.is_switch()).count() >= 5);
+    assert_eq!(brakes(&fixture), 0);
+    let switches = fixture.sent.iter().filter(|sent| sent.is_switch());
+    assert!(switches.count() > 50);
     assert!(!report(&fixture).motors.iter().any(|motor| motor.confirmed));
 }
 

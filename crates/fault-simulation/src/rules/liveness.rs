@@ -66,10 +66,14 @@ impl Liveness {
         self.unknown.append(&mut self.left_driven);
     }
 
-    /// A line that was dead passes frames again. What turns, and was driven here, has missed its stop.
+    /// A line that was dead passes frames again. What turns, and was driven here, has missed its stop. A wheel that rests
+    /// at its goal has missed none.
     pub(super) fn line_back(&mut self, now: Instant, bus: &Bus, world: &World) {
         for status in bus.motors(now) {
-            let is_moved = world.motor(status.id).is_some_and(is_moved);
+            let is_at_rest = |motor: &VirtualMotor| motor.mode() == Mode::Position && !turns(motor);
+            let is_moved = world
+                .motor(status.id)
+                .is_some_and(|motor| is_moved(motor) && !is_at_rest(motor));
             let is_let_go = matches!(status.activity, Activity::Idle | Activity::Stopping { .. });
             if is_moved && is_let_go && status.may_turn {
                 self.back.insert(status.id, now);
@@ -227,5 +231,9 @@ fn is_moved(motor: &VirtualMotor) -> bool {
     let is_asked = motor.is_driven()
         && (motor.mode() == Mode::Position
             || motor.obeyed().is_some_and(|(_, drive)| drive.signed() != 0));
-    is_asked || motor.speed_rpm().abs() >= STANDS_RPM
+    is_asked || turns(motor)
+}
+
+fn turns(motor: &VirtualMotor) -> bool {
+    motor.speed_rpm().abs() >= STANDS_RPM
 }
