@@ -11,11 +11,11 @@ use motorlink_messages::experiments::{
 
 use motorlink_messages::protocol::family::Model;
 
-use super::texts;
+use super::texts::{self, number};
 use crate::{
     features::experiments::texts as study_texts,
     model::terms,
-    ui::format::{UNKNOWN, in_language, rpm},
+    ui::format::{UNKNOWN, rpm},
 };
 
 /// A figure, with a value for each column.
@@ -238,17 +238,6 @@ fn estimate(found: Estimate, factor: f64, unit: &str) -> String {
     }
     let value = number(found.value * factor, decimals);
     format!("{value} ± {} {unit}", number(plus_minus, decimals))
-}
-
-pub(super) fn number(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
-    let text = if is_zero {
-        text.replace('-', "")
-    } else {
-        text.replace('-', "\u{2212}")
-    };
-    in_language(text)
 }
 
 fn sequence(found: &[MotorFindings]) -> Figures {

@@ -1,4 +1,4 @@
-//! Names of axes, and how a run ended.
+//! Names of axes, figures as text, and how a run ended.
 
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
@@ -8,7 +8,6 @@ use motorlink_messages::experiments::{
     runner::End,
 };
 
-use super::figures::number;
 use crate::{
     features::experiments::texts,
     ui::{
@@ -109,4 +108,16 @@ pub(super) fn setpoint_rate(
 pub(super) fn date(run: &RunHeader) -> String {
     let ms = run.began_unix_ms;
     format!("{} {}", local_date(ms), local_time(ms))
+}
+
+/// A figure in the language of the page; a rounded zero has no sign.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
+    let text = if is_zero {
+        text.replace('-', "")
+    } else {
+        text.replace('-', "\u{2212}")
+    };
+    format::in_language(text)
 }
