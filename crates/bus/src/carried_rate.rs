@@ -21,7 +21,7 @@ impl CarriedRate {
     /// What a line of motors of this model carries while some are driven in a loop each, by the round trips that were
     /// measured before. `None` before the first reply.
     ///
-    /// An idle motor and a driven one take the same time to answer, with one exception: see [`may_be_held`]. Such a
+    /// An idle motor and a driven one take the same time to answer, with one exception: see `may_be_held`. Such a
     /// reply counts as held every second time.
     #[must_use]
     pub fn of(

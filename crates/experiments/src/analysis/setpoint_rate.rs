@@ -21,7 +21,7 @@ pub struct SetpointRate {
 
 /// The rate of this motor; `None` for a short run, or one whose record is thinned.
 ///
-/// Requests are not recorded. Their period is the one between replies, see [`period_s`], and a gap of several periods is
+/// Requests are not recorded. Their period is the one between replies, see `period_s`, and a gap of several periods is
 /// as many lost replies less one.
 #[must_use]
 pub fn setpoint_rate(record: &Record, id: MotorId) -> Option<SetpointRate> {

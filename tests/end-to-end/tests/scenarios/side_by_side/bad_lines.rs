@@ -181,7 +181,8 @@ fn diagnosed(fault: &[&str], cause: &str, advice: &str) -> Result<String> {
     let scenario = Scenario::connected(Line::default().with(fault))?;
     let page = &scenario.page;
     open_panel(page, "Link")?;
-    page.wait_for_text("list", "Link diagnosis", |text| {
+    // It names no wire while the computer is late, as one that is busy is.
+    page.wait_for_text_within(Duration::from_secs(60), "list", "Link diagnosis", |text| {
         text.contains(cause) && text.contains(advice)
     })?;
     let figures = page.text("status", "Judged by")?;
