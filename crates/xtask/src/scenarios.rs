@@ -22,8 +22,8 @@ pub const ALONE: &str = "alone::";
 /// More retries in one run mean that the machine or the page is too slow.
 const RETRIES_MAX: usize = 20;
 
-/// So many scenarios that fail beside others, or beside the native tests, run once more, alone: these may have delayed them. If more
-/// fail, the page is at fault.
+/// So many scenarios that fail run once more, alone: others, and the native tests beside them, may have delayed them. If
+/// more fail, the page is at fault.
 const AGAIN_MAX: usize = 8;
 
 /// Runs the scenarios that can run beside others, and fails if there are too many retries.
