@@ -6,9 +6,9 @@ use std::{
     process::Command,
 };
 
-use crate::bench::{Bench, ONE};
+use crate::bench::{Bench, ONE, header};
 use motorlink_experiments::{
-    kept::{Outcome, RunHeader, figures_to_csv, record_to_csv},
+    kept::{figures_to_csv, record_to_csv},
     sequence::Sequence,
     study::{FrequencyStudy, Measured, StepStudy, Study},
 };
@@ -39,20 +39,7 @@ fn compared(study: &Study, seed: u64) -> u32 {
     let mut bench = Bench::new(seed, MotorConfig::default());
     bench.run_sequence(&study.sequence());
     let record = &bench.record;
-    let header = RunHeader {
-        number: 1,
-        name: String::new(),
-        study: study.to_json(),
-        motors: vec![(ONE, String::new())],
-        model: "DDSM115".to_owned(),
-        setup: String::new(),
-        page_version: String::new(),
-        began_unix_ms: 0.0,
-        began: record.began_at(),
-        request_hz: 200.0,
-        outcome: Outcome::Running,
-        bytes: 0,
-    };
+    let header = header(study, record);
     let findings = study.evaluate(record, &header.measured());
     assert_eq!(header.measured(), Measured::default());
     let dir = env::temp_dir().join(format!("motorlink-figures-{seed}-{}", std::process::id()));

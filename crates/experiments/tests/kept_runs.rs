@@ -246,7 +246,7 @@ fn a_file_with_more_steps_than_its_study_is_refused() {
 
 /// The largest file that is read: 16 motors, 400,000 replies, 100,000 steps and as many setpoints.
 #[test]
-#[ignore = "prints times: cargo test -p motorlink-experiments largest_run -- --ignored --nocapture"]
+#[ignore = "prints figures; cargo xtask experiments runs it"]
 fn the_time_of_the_largest_run() {
     let (_, mut header, _) = run();
     let ids = || (1..=16).map(|id| MotorId::new(id).unwrap());

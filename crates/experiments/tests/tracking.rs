@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use crate::{
-    bench::{Bench, ONE},
+    bench::{Bench, ONE, header},
     run_fixture::Fixture,
 };
 use motorlink_experiments::{
     analysis::{setpoint_rate, tracking},
-    kept::{Outcome, RunHeader, figures_to_csv, has_figures},
+    kept::{figures_to_csv, has_figures},
     runner::Options,
     sequence::{Quantity, Sequence},
     study::{Findings, Study},
@@ -57,20 +57,7 @@ fn the_figures_of_a_sequence_have_a_row_for_each_motor() {
     assert!(has_figures(&study));
     let mut bench = Bench::new(5, MotorConfig::default());
     bench.run_sequence(&study.sequence());
-    let header = RunHeader {
-        number: 1,
-        name: String::new(),
-        study: study.to_json(),
-        motors: vec![(ONE, String::new())],
-        model: "DDSM115".to_owned(),
-        setup: String::new(),
-        page_version: String::new(),
-        began_unix_ms: 0.0,
-        began: bench.record.began_at(),
-        request_hz: 200.0,
-        outcome: Outcome::Running,
-        bytes: 0,
-    };
+    let header = header(&study, &bench.record);
     let found = study.evaluate(&bench.record, &header.measured());
     let table = figures_to_csv(&header, &study, &found);
     assert_eq!(

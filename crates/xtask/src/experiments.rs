@@ -14,7 +14,7 @@ pub fn show(workspace: &Workspace) -> Result<()> {
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
     let tests = ["--test", "experiments", "--", "--ignored", "--nocapture"];
     let mut figures = cargo::command(workspace, &[&package[..], &tests[..]].concat());
-    process::run(figures.args(["figures::", "coverage::"]))?;
+    process::run(figures.args(["figures::", "coverage::", "largest_run"]))?;
     let package = ["test", "--quiet", "--package", "motorlink-fault-simulation"];
     let sequences = [&package[..], &["--test", "sequences", "--", "--nocapture"]].concat();
     let mut sequences = cargo::command(workspace, &sequences);

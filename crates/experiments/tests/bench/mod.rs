@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use motorlink_experiments::{
     analysis::{Point, Trace},
+    kept::{Outcome, RunHeader},
     plan::{Fleet, Plan},
     runner::{End, Options, Record, Runner, Telemetry, Tick},
     sequence::Sequence,
+    study::Study,
 };
 use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, Reply, Request};
 use motorlink_simulator::{MotorConfig, WireFaults, World, WorldConfig};
@@ -179,5 +181,23 @@ impl Run {
 
     pub fn amps(&self, (from, to): (f64, f64)) -> &[Point] {
         Trace::between(&self.trace.amps, from, to)
+    }
+}
+
+/// The header of a run of this study on the bench.
+pub fn header(study: &Study, record: &Record) -> RunHeader {
+    RunHeader {
+        number: 1,
+        name: String::new(),
+        study: study.to_json(),
+        motors: vec![(ONE, String::new())],
+        model: "DDSM115".to_owned(),
+        setup: String::new(),
+        page_version: String::new(),
+        began_unix_ms: 0.0,
+        began: record.began_at(),
+        request_hz: 200.0,
+        outcome: Outcome::Running,
+        bytes: 0,
     }
 }
