@@ -106,9 +106,8 @@ pub struct Bus {
     pub(crate) job_retry: Option<DueFrame>,
     /// When the bus asked for the next call.
     pub(crate) call_due: Instant,
-    /// During a stop, a silent motor gets its next frame after every answering motor has got this
-    /// many.
-    pub(crate) silent_stop_round: u32,
+    /// During a stop, a silent motor gets its next frame after every answering motor has got one since then.
+    pub(crate) silent_stopped: Option<Instant>,
     /// First stop frames to silent motors since the last frame to an answering one.
     pub(crate) silent_firsts: u8,
     /// Every poll drains it, so its length is bounded by the events of one input: a few per motor.
@@ -160,7 +159,7 @@ impl Bus {
             refused_in_a_row: 0,
             job_retry: None,
             call_due: now,
-            silent_stop_round: 0,
+            silent_stopped: None,
             silent_firsts: 0,
             events: VecDeque::from([Event::Line(LineEvent { at: now, kind })]),
         }
@@ -299,7 +298,7 @@ impl Bus {
             last_frame: self.last_frame,
             just_freed: now.since(self.freed_at) < JUST_FREED,
             queries_from: self.queries_from,
-            silent_stop_round: self.silent_stop_round,
+            silent_stopped: self.silent_stopped,
             stops_first: self.stops_first(),
             drive_waits_for_proof: matches!(self.last_drive, LastDrive::InFlight(_)),
         };

@@ -334,16 +334,9 @@ impl Bus {
     pub(crate) fn record_reply(&mut self, now: Instant, reply: Reply) {
         // A motor that was forgotten meanwhile stays forgotten.
         let limits = self.settings.limits;
-        let round = self.stop_round();
         let Some(motor) = self.motor_mut(reply.id) else {
             return;
         };
-        if motor.is_without_answer()
-            && let (Control::Stopping(stop), Some(round)) = (&mut motor.control, round)
-        {
-            // It joins the round of the answering motors, which keep their brake meanwhile.
-            stop.round = stop.round.max(round);
-        }
         if motor.record_reply(now, reply, limits) {
             self.events.push_back(Event::MotorBack(reply.id));
         }

@@ -66,7 +66,7 @@ impl Bus {
         let brake_waits = self.motors.iter().any(|motor| match motor.control {
             Control::Stopping(stop) => {
                 let may_brake_soon = stop.waits_for_brake() && !motor.is_without_answer();
-                motor.id != id && (!stop.first_frame_sent() || may_brake_soon)
+                motor.id != id && (stop.last_sent().is_none() || may_brake_soon)
             }
             _ => false,
         });

@@ -68,8 +68,8 @@ pub(crate) struct Pacing {
     pub(crate) just_freed: bool,
     /// Earliest time of the next query.
     pub(crate) queries_from: Instant,
-    /// The stop round after which a silent motor gets its next frame.
-    pub(crate) silent_stop_round: u32,
+    /// A silent motor gets its next stop frame after every answering motor has got one since then.
+    pub(crate) silent_stopped: Option<Instant>,
     /// Whether nothing but the stop goes out, no query either.
     pub(crate) stops_first: bool,
     /// Whether drive frames wait for a byte that proves that the line carried the last one. Stop
@@ -94,12 +94,12 @@ pub(crate) fn next_turn(
         last_frame,
         just_freed,
         queries_from,
-        silent_stop_round,
+        silent_stopped,
         stops_first,
         drive_waits_for_proof,
     } = pacing;
     let due = |at: Instant| now + EARLY >= at;
-    let stop = next_stop(motors, silent_stop_round);
+    let stop = next_stop(motors, silent_stopped);
     if let Some((_, id, false)) = stop {
         return Turn::Now(DueFrame::Stop(id));
     }
@@ -185,27 +185,30 @@ pub(crate) fn next_turn(
 }
 
 /// The next frame of a stop, and whether the first frame was sent. Every answering motor gets a
-/// frame before any of them gets its next one.
+/// frame before any of them gets its next one, also one that was silent or joins later.
 ///
 /// A silent motor costs a reply window each time. So all answering motors get their frame between
 /// two frames of silent ones: 15 motors without power do not release the 16th.
-fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, bool)> {
-    let furthest_behind = |of_silent: bool| {
+fn next_stop(
+    motors: &[Motor],
+    silent_stopped: Option<Instant>,
+) -> Option<(Instant, MotorId, bool)> {
+    let longest_without = |of_silent: bool| {
         let stops = motors.iter().filter_map(|motor| match &motor.control {
             Control::Stopping(stop) if motor.is_without_answer() == of_silent => {
                 Some((motor.id, stop))
             }
             _ => None,
         });
-        stops.min_by_key(|(id, stop)| (stop.first_frame_sent(), stop.round, *id))
+        // A motor without a frame comes first.
+        stops.min_by_key(|(id, stop)| (stop.last_sent(), *id))
     };
-    let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent());
-    match (furthest_behind(false), furthest_behind(true)) {
+    let frame =
+        |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.last_sent().is_some());
+    match (longest_without(false), longest_without(true)) {
         (Some((id, answers)), Some((silent_id, silent))) => {
-            // A motor that joined later may be far behind the recorded round.
-            let is_round_over = answers.round >= silent_round || answers.round + 1 < silent_round;
-            let has_its_turn = answers.first_frame_sent() && is_round_over;
-            let is_due = !silent.first_frame_sent() || silent.next_frame <= answers.next_frame;
+            let has_its_turn = answers.last_sent() > silent_stopped;
+            let is_due = silent.last_sent().is_none() || silent.next_frame <= answers.next_frame;
             let is_next = has_its_turn && is_due;
             Some(frame(if is_next {
                 (silent_id, silent)

@@ -242,7 +242,7 @@ impl Bus {
                 let motor = self.watch(now, id);
                 let before = motor.control;
                 let is_first =
-                    matches!(motor.control, Control::Stopping(stop) if !stop.first_frame_sent());
+                    matches!(motor.control, Control::Stopping(stop) if stop.last_sent().is_none());
                 motor.control = control;
                 match sent {
                     Sent::Stop => {
@@ -278,7 +278,7 @@ impl Bus {
                     self.silent_firsts = if is_first { self.silent_firsts + 1 } else { 0 };
                     if !is_first || self.silent_firsts >= SILENT_FIRSTS_MAX {
                         self.silent_firsts = 0;
-                        self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);
+                        self.silent_stopped = Some(now);
                     }
                 }
                 if is_query {

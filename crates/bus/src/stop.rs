@@ -15,16 +15,6 @@ use crate::{
     },
 };
 
-/// How far a stop has come with its motor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Reached {
-    Nothing,
-    /// Any frame was sent.
-    FirstFrame,
-    /// A brake frame was sent to the motor in the velocity loop.
-    Brake,
-}
-
 /// The stop of one motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopping {
@@ -32,11 +22,12 @@ pub(crate) struct Stopping {
     began: Instant,
     /// When the operator last asked for it.
     asked: Instant,
-    /// Frames sent to this motor since the stop began. All motors get their nth frame before any
-    /// gets its next, so that no wheel brakes first.
-    pub(crate) round: u32,
+    /// When the last frame was sent to this motor since the stop began, and its request. The motor whose last frame is the
+    /// oldest gets the next one, so that no wheel brakes first.
+    last_frame: Option<(Instant, Request)>,
     pub(crate) next_frame: Instant,
-    reached: Reached,
+    /// Whether a brake frame was sent to the motor in the velocity loop.
+    has_brake: bool,
     switches: u8,
     next_switch: Instant,
     /// Brakes and queries that go before the next switch. Otherwise rounds longer than [`SWITCH_PERIOD`] would starve
@@ -46,8 +37,6 @@ pub(crate) struct Stopping {
     standstill_replies: u8,
     /// Whether the last angle since the stop began shows standstill.
     angle_stands: bool,
-    /// Whether the last frame asked for the angle.
-    has_asked_angle: bool,
     last_query: Option<Instant>,
     last_brake: Option<Instant>,
     /// Whether the motor is in the position loop by the last that is known: by the last reply, of any age, or by what was
@@ -56,9 +45,8 @@ pub(crate) struct Stopping {
 }
 
 impl Stopping {
-    /// Starts a stop of a motor whose loop is `fresh`, or was `last` known. `round` is the round of
-    /// the motors that are already being stopped: they keep their brake while this one joins.
-    pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>, round: u32) -> Self {
+    /// Starts a stop of a motor whose loop is `fresh`, or was `last` known.
+    pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>) -> Self {
         let plan = stop_plan(fresh, last);
         // If the brake is harmless before the switch, it goes first.
         let first_switch = if plan == StopPlan::SwitchThenBrake {
@@ -70,15 +58,14 @@ impl Stopping {
             plan,
             began: now,
             asked: now,
-            round,
-            reached: Reached::Nothing,
+            last_frame: None,
             next_frame: now,
+            has_brake: false,
             switches: 0,
             next_switch: first_switch,
             asks_left: 0,
             standstill_replies: 0,
             angle_stands: false,
-            has_asked_angle: false,
             last_query: None,
             last_brake: None,
             last_in_position: fresh.or(last) == Some(Mode::Position),
@@ -142,14 +129,16 @@ impl Stopping {
     /// brake is such a query while the motor is `without_loop`.
     fn asks_loop(&self, model: Model, without_loop: bool) -> bool {
         let is_behind_switch = self.plan != StopPlan::Brake && self.asks_left == 1;
-        let is_its_turn = !self.waits_for_brake() && !self.round.is_multiple_of(2);
+        let has_asked = matches!(self.last_frame, Some((_, Request::ModeQuery { .. })));
+        let is_its_turn = self.has_brake && !has_asked;
         model.has_separate_frames() && (is_behind_switch || without_loop && is_its_turn)
     }
 
     /// Whether it is the turn of a query for the angle, which the reply to a brake frame does not have in separate frames.
     /// It takes turns with the brake, and only once the speed is that of a standstill.
     fn asks_angle(&self, model: Model) -> bool {
-        model.has_separate_frames() && self.standstill_replies > 0 && !self.has_asked_angle
+        let has_asked = matches!(self.last_frame, Some((_, Request::Query { .. })));
+        model.has_separate_frames() && self.standstill_replies > 0 && !has_asked
     }
 
     /// Records a sent frame; the next round begins `period` later.
@@ -164,20 +153,15 @@ impl Stopping {
         period: Duration,
         answers: bool,
     ) {
-        self.round += 1;
+        self.last_frame = Some((now, request));
         self.next_frame = now + period;
         self.asks_left = self.asks_left.saturating_sub(1);
-        self.has_asked_angle = matches!(request, Request::Query { .. });
         match request {
             Request::Query { .. } => self.last_query = Some(now),
             Request::Drive { .. } => self.last_brake = Some(now),
             _ => {}
         }
-        self.reached = if self.is_braked_by(request) {
-            Reached::Brake
-        } else {
-            self.reached.max(Reached::FirstFrame)
-        };
+        self.has_brake |= self.is_braked_by(request);
         if matches!(request, Request::SwitchMode { .. } | Request::Enable { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
@@ -241,14 +225,14 @@ impl Stopping {
         }
     }
 
-    /// Whether the first frame was sent. It has priority over everything else on the line.
-    pub(crate) const fn first_frame_sent(&self) -> bool {
-        !matches!(self.reached, Reached::Nothing)
+    /// When the last frame was sent. The first one has priority over everything else on the line.
+    pub(crate) fn last_sent(&self) -> Option<Instant> {
+        self.last_frame.map(|(at, _)| at)
     }
 
     /// Whether the motor, as far as its loop is known, has not got a brake frame yet.
     pub(crate) const fn waits_for_brake(&self) -> bool {
-        !matches!(self.reached, Reached::Brake)
+        !self.has_brake
     }
 
     pub(crate) const fn began(&self) -> Instant {

@@ -8,7 +8,7 @@ const ID: MotorId = MotorId::FIRST;
 const BEGAN: Instant = Instant::from_millis(1_000);
 
 fn stop_of(mode: Option<Mode>) -> Stopping {
-    Stopping::begin(BEGAN, mode, None, 0)
+    Stopping::begin(BEGAN, mode, None)
 }
 
 fn brake() -> Request {
@@ -99,7 +99,7 @@ fn many_switches_are_enough_for_a_silent_motor_only_if_its_loop_was_never_known(
         (None, Some(Mode::Position), Request::Query { id: ID }),
         (Some(Mode::Position), None, Request::Query { id: ID }),
     ] {
-        let mut stop = Stopping::begin(BEGAN, fresh, last, 0);
+        let mut stop = Stopping::begin(BEGAN, fresh, last);
         for switches in [SILENT_SWITCHES, u8::MAX] {
             let now = send_switches(&mut stop, switches, false);
             let request = stop.next_request(now, Model::Ddsm115, ID, false, false);

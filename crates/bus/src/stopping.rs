@@ -46,10 +46,8 @@ impl Bus {
             .collect();
         self.add_group_members(&mut ids);
         if self.stop.is_none() {
-            self.silent_stop_round = 0;
             self.silent_firsts = 0;
         }
-        let round = self.stop_round().unwrap_or(0);
         for motor in self
             .motors
             .iter_mut()
@@ -60,7 +58,7 @@ impl Bus {
                 continue;
             }
             let (fresh, last) = motor.known_loop(now);
-            motor.stops(Stopping::begin(now, fresh, last, round));
+            motor.stops(Stopping::begin(now, fresh, last));
             // A wheel that stood until now may turn: only later angles count.
             motor.standstill = Standstill::default();
         }
@@ -70,15 +68,6 @@ impl Bus {
         }
         self.events.push_back(Event::StopBegan(reason));
         self.cut_exchange_short(now);
-    }
-
-    /// Number of stop frames that every answering motor has got; `None` if none is being stopped.
-    pub(crate) fn stop_round(&self) -> Option<u32> {
-        let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
-            Control::Stopping(stop) if !motor.is_without_answer() => Some(stop.round),
-            _ => None,
-        });
-        rounds.min()
     }
 
     /// A stop waits for the reply in flight, but not for a motor that does not answer.

@@ -3,7 +3,7 @@
 use crate::fixture::many_motors::{drive, driven, queries, watching};
 use crate::fixture::{Fixture, ID, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, Consent, Event, StopReason};
-use motorlink_protocol::{Drive, Instant, MotorId, Setpoint};
+use motorlink_protocol::{Drive, Instant, MotorId, Setpoint, family::Model};
 use motorlink_simulator::WorldConfig;
 
 fn brakes(fixture: &Fixture, motor: MotorId) -> Vec<Instant> {
@@ -186,4 +186,64 @@ fn a_stop_of_16_motors_of_which_15_have_no_power_brakes_the_16th_as_if_alone() {
             assert!(to_it.count() > 3, "motor {other} was given up");
         }
     }
+}
+
+/// Motor 1 has lost its supply while it was driven, and its stop sends frames for two seconds.
+fn stopped_for_long(model: Model, others: &[MotorId]) -> Fixture {
+    let ids: Vec<MotorId> = [&[ID], others].concat();
+    let mut fixture = Fixture::watching(WorldConfig::of(model, ids.clone()), &ids);
+    // A DDSM400 is enabled meanwhile.
+    fixture.run(ms(1_000));
+    drive(&mut fixture, ID);
+    fixture.run(ms(1_000));
+    fixture.world.motor_mut(ID).unwrap().power(false);
+    fixture.run_until(ms(500), |fixture| {
+        fixture.happened(|event| matches!(event, Event::Withdrawn { .. }))
+    });
+    fixture.run(ms(2_000));
+    fixture
+}
+
+fn all_confirm_within_1500_ms(fixture: &mut Fixture) {
+    fixture.forget_the_past();
+    fixture.run_until(ms(1_500), |fixture| {
+        fixture.happened(|event| match event {
+            Event::StopEnded(report) => report.motors.iter().all(|motor| motor.confirmed),
+            _ => false,
+        })
+    });
+}
+
+/// Each motor had to catch up with the frames that the silent one had got.
+#[test]
+fn a_motor_that_answers_again_is_braked_with_those_that_have_joined_its_stop() {
+    for model in Model::ALL {
+        let others = [id(2), id(3), id(4)];
+        let mut fixture = stopped_for_long(model, &others);
+        // Its stop has nearly ended.
+        fixture.run(ms(600));
+        for other in others {
+            drive(&mut fixture, other);
+        }
+        fixture.run(ms(200));
+        let all = Command::StopAll(StopReason::Operator);
+        fixture.command(all).unwrap();
+        fixture.world.motor_mut(ID).unwrap().power(true);
+        all_confirm_within_1500_ms(&mut fixture);
+    }
+}
+
+/// The same beside another silent motor, which has got no frame before.
+#[test]
+fn a_motor_that_answers_again_is_braked_beside_one_that_has_just_fallen_silent() {
+    let mut fixture = stopped_for_long(Model::Ddsm115, &[id(2)]);
+    fixture.world.motor_mut(id(2)).unwrap().power(false);
+    fixture.run(ms(600));
+    let all = Command::StopAll(StopReason::Operator);
+    fixture.command(all).unwrap();
+    fixture.world.motor_mut(ID).unwrap().power(true);
+    fixture.forget_the_past();
+    fixture.run(ms(300));
+    let brakes = brakes(&fixture, ID).len();
+    assert!(brakes > 10, "{brakes} brakes");
 }

@@ -261,7 +261,7 @@ impl Observer {
 fn begin_stop(motor: &mut Motor, at: Instant) {
     if !matches!(motor.control, Control::Stopping(_)) {
         let (fresh, last) = motor.known_loop(at);
-        motor.stops(Stopping::begin(at, fresh, last, 0));
+        motor.stops(Stopping::begin(at, fresh, last));
     }
 }
 
