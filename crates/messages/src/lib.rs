@@ -18,6 +18,7 @@ mod left_behind;
 pub mod recorder;
 pub mod runs;
 pub mod sessions;
+pub mod stored_state;
 mod virtual_line;
 mod virtual_wire;
 

@@ -25,6 +25,7 @@ use crate::{
 pub(crate) struct KeptReader {
     entries: Range<u64>,
     samples: [(SampleSet, Range<u64>); 2],
+    states: Range<u64>,
     /// The last commands of the motors in the sequence.
     commands: Commands,
     /// The model of the line at this place of the sequence.
@@ -65,6 +66,9 @@ impl KeptReader {
         let entries = not_before(since, all, entry_at);
         let mut reader = Self {
             samples: [range(SampleSet::Recorded), range(SampleSet::Rolling)],
+            states: not_before(since, log.states().numbers(), |number| {
+                Some(log.states().get(number)?.at)
+            }),
             commands: Commands::new(),
             // A sample does not say of which model it is. A line seldom gets another model.
             model: (log.entries().get(entries.start)).map_or(log.model(), |entry| entry.model),
@@ -79,7 +83,7 @@ impl KeptReader {
 
     fn left(&self) -> u64 {
         let samples = self.samples.iter().map(|(_, range)| range);
-        let ranges = samples.chain([&self.entries]);
+        let ranges = samples.chain([&self.entries, &self.states]);
         ranges
             .map(|range| range.end.saturating_sub(range.start))
             .sum()
@@ -103,7 +107,7 @@ impl KeptReader {
         has_more
     }
 
-    /// Takes the oldest entry or sample. Returns whether there was one.
+    /// Takes the oldest entry, sample or state. Returns whether there was one.
     fn step(&mut self, log: &Log, recording: &Recording, out: &mut Vec<KeptRecord>) -> bool {
         let entry = next(log.entries(), &mut self.entries);
         let [recorded, rolling] = &mut self.samples;
@@ -115,6 +119,13 @@ impl KeptReader {
         };
         // An entry goes before the sample that was made of it.
         let sample = sample.filter(|sample| entry.is_none_or(|entry| sample.at < entry.at));
+        let at = sample
+            .map(|sample| sample.at)
+            .or(entry.map(|entry| entry.at));
+        if let Some(state) = next_state(log, &mut self.states, at) {
+            out.push(state);
+            return true;
+        }
         match (sample, entry) {
             (Some(sample), _) => {
                 // The recording and the last ten minutes have the same samples.
@@ -185,6 +196,20 @@ impl KeptReader {
             out.push(KeptRecord::Line(LineEvent { at, kind }));
         }
     }
+}
+
+/// The oldest state of a range, if it is older than the next entry or sample: a state tells of what came with it.
+fn next_state(log: &Log, range: &mut Range<u64>, until: Option<Instant>) -> Option<KeptRecord> {
+    let states = log.states();
+    range.start = range.start.max(states.numbers().start).min(range.end);
+    let state = states.get(range.start).filter(|_| !range.is_empty())?;
+    until.is_none_or(|until| state.at < until).then(|| {
+        range.start += 1;
+        KeptRecord::State {
+            at: state.at,
+            stored: state.stored.clone(),
+        }
+    })
 }
 
 /// The oldest value of a range that is still kept.

@@ -13,6 +13,7 @@
 //! | `routine` | which exchanges are routine |
 //! | `meaning` | the text of an entry |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
+//! | `states` | what the page showed |
 //! | `commanded` | what each motor was told |
 //! | `saved` | the saved session: its files, how they are written and read |
 //! | `kept` | everything that is kept, as one sequence for a session file |
@@ -37,6 +38,7 @@ mod restoring;
 mod routine;
 mod row_filter;
 pub mod saved;
+mod states;
 mod texts;
 mod view;
 mod wall_clock;

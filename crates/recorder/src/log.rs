@@ -9,6 +9,7 @@ use crate::{
     entry::{Entry, EntryContent, Visibility},
     meaning,
     routine::Routine,
+    states::{State, States},
     texts::Texts,
     view::{REORDER_MAX, RowContext, View},
     wall_clock::WallClock,
@@ -27,6 +28,7 @@ pub struct Log {
     entries: Chunks<Entry>,
     texts: Texts,
     routine: Routine,
+    states: States,
     view: View,
     clock: WallClock,
     /// The model of the line.
@@ -53,6 +55,7 @@ impl Log {
             entries: Chunks::new(),
             texts: Texts::default(),
             routine: Routine::default(),
+            states: States::default(),
             view: View::new(entries),
             clock: WallClock::default(),
             model: Model::default(),
@@ -92,6 +95,15 @@ impl Log {
         let text = self.texts.keep(text);
         let content = EntryContent::Message { error, text };
         self.take(at, content, self.model, false);
+    }
+
+    /// Adds a state of the page. It is no entry, and goes with the entries of its time.
+    pub(crate) fn add_state(&mut self, state: State) {
+        self.states.push(state);
+    }
+
+    pub(crate) const fn states(&self) -> &States {
+        &self.states
     }
 
     /// Inserts an entry in order of time. Messages arrive at once, line events in batches, so either may be
@@ -139,6 +151,7 @@ impl Log {
             self.texts.forget(text);
         }
         self.view.oldest_dropped(number, &oldest);
+        self.states.drop_before(oldest.at);
         self.gone += 1;
         true
     }
@@ -167,7 +180,7 @@ impl Log {
         for number in self.settle() {
             before.copy(self, number, |at| at);
         }
-        before.continue_from(self, filter);
+        before.continue_from(self, filter, |at| at);
         *self = *before;
         true
     }
@@ -192,9 +205,15 @@ impl Log {
         self.take(at(entry.at), content, entry.model, entry.routine);
     }
 
-    /// Takes over the state of another log whose entries have been appended to this one: the model, what is
-    /// routine, and the generation of the rows. Then applies this filter.
-    pub(crate) fn continue_from(&mut self, other: &mut Self, filter: &Filter) {
+    /// Takes over what else another log has whose entries have been appended to this one: the states of the page, the
+    /// model, what is routine, and the generation of the rows. Then applies this filter.
+    pub(crate) fn continue_from(
+        &mut self,
+        other: &mut Self,
+        filter: &Filter,
+        at: impl FnMut(Instant) -> Instant,
+    ) {
+        self.states.append(std::mem::take(&mut other.states), at);
         self.model = other.model;
         std::mem::swap(&mut self.routine, &mut other.routine);
         self.view.continue_from(&other.view);

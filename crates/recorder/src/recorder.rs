@@ -7,6 +7,7 @@ use motorlink_i18n::Language;
 use motorlink_messages::{
     recorder::{Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window},
     sessions::{Kept, NotSaved},
+    stored_state,
 };
 use motorlink_protocol::Instant;
 
@@ -18,6 +19,7 @@ use crate::{
     recording::Recording,
     restoring::{Need, Past, Restoring},
     saved::{Segment, SessionWriter, StoreAction, Stream, Summary, Timeline},
+    states::State,
     wall_clock::WallClock,
 };
 
@@ -167,6 +169,18 @@ impl Recorder {
             writer.add_event(traffic, recorded.is_some());
         }
         self.page_changed = true;
+    }
+
+    /// Adds what the page shows from now on: the bytes of an update to it.
+    pub fn add_state(&mut self, update: Vec<u8>) {
+        let Some((at, stored)) = stored_state::of_message(update) else {
+            return;
+        };
+        if let Some(writer) = &mut self.writer {
+            writer.add_state(at, &stored);
+        }
+        let at = self.timeline.at(at);
+        self.log.add_state(State { at, stored });
     }
 
     /// Restores the session in these files, which are in order, with their sizes. Requests them one after the

@@ -173,8 +173,8 @@ impl Restoring {
             Stage::Copying { past_end, .. } => past_end,
             Stage::NeedsFile | Stage::Waiting | Stage::Playing => 0,
         };
-        replay.log.continue_from(log, filter);
         let timeline = &mut replay.timeline;
+        replay.log.continue_from(log, filter, |at| timeline.at(at));
         replay
             .recording
             .continue_from(recording, |at| timeline.at(at));

@@ -10,7 +10,11 @@ mod properties;
 use std::time::Duration;
 
 use motorlink_bus::LineEventKind;
-use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToRecorder};
+use motorlink_messages::{
+    recorder::{Export, FromRecorder, RecordingStatus, ToRecorder},
+    sessions::{Kept, KeptRecord},
+    stored_state,
+};
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_recorder::{
     LocalTime, Output, Recorder, WallClock,
@@ -324,6 +328,9 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
         // From the tenth hour on, when times take most bytes.
         let start = 34_000_000 + second * 1_000;
         page.drive(start..start + 1_000);
+        for part in 0..20 {
+            page.show(start + part * 50, 25);
+        }
         page.pass(260);
     }
     let sizes: Vec<usize> = page.disk.values().map(Vec::len).collect();
@@ -339,6 +346,42 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
     let mut page = restored(&disk, LATER_MS);
     let lines = page.export(Export::Log).lines().count();
     assert!((1_000_001..1_100_000).contains(&lines), "{lines}");
+}
+
+/// The states that are kept: when, and the time of what they show.
+fn states(recorder: &mut Recorder) -> Vec<(u64, u64)> {
+    let Kept::Part { records, .. } = recorder.first_kept(None, 1_000) else {
+        return Vec::new();
+    };
+    let states = records.into_iter().filter_map(|record| match record {
+        KeptRecord::State { at, stored } => {
+            let sample = stored_state::read(&stored, at)?.samples[0].at;
+            Some((at.as_micros() / 1_000, sample.as_micros() / 1_000))
+        }
+        _ => None,
+    });
+    states.collect()
+}
+
+#[test]
+fn what_the_page_showed_is_restored_with_the_log() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.drive(0..4);
+    page.show(2, 1);
+    page.pass(300);
+    let mut page = restored(&page.crash(), EPOCH_MS + 10_000.0);
+    // In the time of the run before.
+    assert_eq!(states(&mut page.recorder), [(2, 2)]);
+    page.drive(5..6);
+    page.show(6, 1);
+    assert_eq!(states(&mut page.recorder), [(2, 2), (10_006, 10_006)]);
+    page.handle(ToRecorder::Clear);
+    page.drive(8..9);
+    page.show(9, 1);
+    assert_eq!(states(&mut page.recorder), [(10_009, 10_009)]);
+    page.handle(ToRecorder::EndClear { undo: true });
+    let all = [(2, 2), (10_006, 10_006), (10_009, 10_009)];
+    assert_eq!(states(&mut page.recorder), all);
 }
 
 /// The file that names the model may be gone.

@@ -63,15 +63,16 @@ fn print_overview(overview: &Overview) {
 /// Reads every record and prints the problems.
 pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
     let name = opened.name.clone();
-    let (mut lines, mut events) = (0_u64, 0_u64);
+    let (mut lines, mut events, mut states) = (0_u64, 0_u64, 0_u64);
     let read = for_each_record(&mut opened.bytes, &opened.session, |record| {
         match record.what {
             What::Line(_) => lines += 1,
             What::Event(_) => events += 1,
+            What::State(_) => states += 1,
         }
     });
     let read = read.map_err(|error| Failure::Io(name, error))?;
-    println!("{lines} entries of the line and {events} events read");
+    println!("{lines} entries of the line, {events} events and {states} states of the page read");
     let problems = opened.problems().and(&read);
     if problems.is_empty() {
         println!("no damage found");

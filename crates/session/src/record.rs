@@ -1,6 +1,7 @@
 //! The records of a session.
 
 use motorlink_bus::{LineEvent, LineEventKind, StopOutcome};
+use motorlink_messages::Update;
 use motorlink_protocol::Instant;
 
 /// One event of a session.
@@ -21,6 +22,8 @@ pub enum What {
     Line(LineEventKind),
     /// An event between frames.
     Event(Event),
+    /// What the page showed from now on.
+    State(Box<Update>),
 }
 
 impl Record {
@@ -29,7 +32,7 @@ impl Record {
     pub const fn line(&self) -> Option<LineEvent> {
         match self.what {
             What::Line(kind) => Some(LineEvent { at: self.at, kind }),
-            What::Event(_) => None,
+            What::Event(_) | What::State(_) => None,
         }
     }
 }

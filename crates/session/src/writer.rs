@@ -1,15 +1,16 @@
 //! The writer of sessions: takes records, returns bytes of a file.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_messages::{Update, stored_state};
 use motorlink_protocol::{Faults, Instant, MotorId, Reply};
 
 use crate::{
     channels::{
         Topic, events,
         link::{Meter, Second},
-        schemas,
+        schemas, state,
         telemetry::{Motors, Reported},
         wire::Batch,
     },
@@ -19,6 +20,9 @@ use crate::{
     overview::Overview,
     record::{Event, EventKind, Record, What},
 };
+
+/// A state is at most so much older than a record behind it: less than a replay looks back.
+const STATE_EVERY: Duration = Duration::from_secs(2);
 
 /// Writes a session file. The caller takes the bytes regularly ([`Writer::take`]). The writer keeps one chunk, the
 /// overview and the index: a few megabytes for an hour.
@@ -38,6 +42,9 @@ pub struct Writer {
     wire: u16,
     events: u16,
     link: u16,
+    state: u16,
+    /// The last state, and when it was last written.
+    last_state: Option<(Instant, Update)>,
     telemetry_schema: u16,
     channels: BTreeMap<MotorId, u16>,
 }
@@ -58,6 +65,7 @@ impl Writer {
         let wire = channel(schemas::WIRE, Topic::WIRE);
         let events = channel(schemas::EVENT, Topic::EVENTS);
         let link = channel(schemas::LINK, Topic::LINK);
+        let state = container.own_channel(state::ENCODING, Topic::STATE);
         let (name, json) = schemas::TELEMETRY;
         let telemetry_schema = container.schema(name, json);
         Self {
@@ -73,6 +81,8 @@ impl Writer {
             wire,
             events,
             link,
+            state,
+            last_state: None,
             telemetry_schema,
             channels: BTreeMap::new(),
         }
@@ -88,6 +98,7 @@ impl Writer {
 
     /// Adds an event of the bus.
     pub fn line(&mut self, event: &LineEvent) {
+        self.repeat_state(event.at);
         if let LineEventKind::ModelSelected(model) = event.kind {
             self.flush();
             self.batch.set_model(model);
@@ -126,6 +137,35 @@ impl Writer {
         }
     }
 
+    /// Adds what the page showed from this time on, as `motorlink_messages::stored_state` stores it.
+    pub fn state(&mut self, at: Instant, stored: &[u8]) {
+        if let Some(mut update) = stored_state::read(stored, at) {
+            self.put_state(at, stored);
+            update.samples = Vec::new();
+            update.notices = Vec::new();
+            self.count(at, What::State(Box::new(update.clone())));
+            self.last_state = Some((at, update));
+        }
+    }
+
+    fn put_state(&mut self, at: Instant, stored: &[u8]) {
+        self.flush();
+        let log_ns = utc_ns(self.zero_unix_us, at);
+        let message = state::message(at, stored);
+        self.container.message(self.state, log_ns, &message);
+    }
+
+    /// Writes the state again if it is old: a jump reads the last seconds only.
+    fn repeat_state(&mut self, now: Instant) {
+        if let Some((at, update)) = &mut self.last_state
+            && now.since(*at) >= STATE_EVERY
+        {
+            *at = now;
+            let stored = stored_state::store(update.clone());
+            self.put_state(now, &stored);
+        }
+    }
+
     /// Adds a record of another session.
     pub fn record(&mut self, record: &Record) {
         self.set_clock(crate::clock::zero_unix_us(record.at, record.utc_ns));
@@ -135,10 +175,12 @@ impl Writer {
                 kind: *kind,
             }),
             What::Event(event) => self.event(record.at, event),
+            What::State(update) => self.state(record.at, &stored_state::store((**update).clone())),
         }
     }
 
     fn put_event(&mut self, at: Instant, event: &Event) {
+        self.repeat_state(at);
         self.flush();
         self.last = at;
         self.count(at, What::Event(event.clone()));

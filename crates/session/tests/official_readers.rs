@@ -5,13 +5,33 @@ mod sample;
 
 use std::{env, ffi::OsStr, fs, process::Command};
 
-use motorlink_messages::sessions::Bookmark;
-use motorlink_session::{copy, open, overview};
+use motorlink_messages::{Connection, Update, sessions::Bookmark};
+use motorlink_session::{Record, What, copy, open, overview};
 use sample::{file_of, lines, records};
+
+/// The records, with what the page showed behind the first.
+fn with_states() -> Vec<Record> {
+    let mut records = records();
+    let first = records[0].clone();
+    let update = Update {
+        now: first.at,
+        connection: Connection::Disconnected,
+        halted: true,
+        motors: Vec::new(),
+        job: None,
+        raw: None,
+        line: None,
+        samples: Vec::new(),
+        notices: Vec::new(),
+    };
+    let what = What::State(Box::new(update));
+    records.insert(1, Record { what, ..first });
+    records
+}
 
 /// A session, and its copy with a bookmark.
 fn files() -> [Vec<u8>; 2] {
-    let file = file_of(&records());
+    let file = file_of(&with_states());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
     let (overview, _) = overview(&mut source, &session).unwrap();

@@ -7,7 +7,7 @@ use motorlink_bus::{JobStatus, LineStatus, MotorStatus, PAGE_SILENCE_MAX, RawSta
 use motorlink_messages::{Connection, Notice, ToPage, Update};
 use motorlink_protocol::{Faults, Instant, Mode};
 
-use crate::scope::post;
+use crate::scope::{post, posted};
 
 /// The period of a 60 Hz screen.
 const FRAME: Duration = Duration::from_micros(16_600);
@@ -88,7 +88,8 @@ impl Outbox {
         }
     }
 
-    pub(crate) fn send(&mut self, now: Instant, current: CurrentState) {
+    /// Posts an update. Returns its bytes, for the recorder.
+    pub(crate) fn send(&mut self, now: Instant, current: CurrentState) -> Vec<u8> {
         let CurrentState {
             connection,
             halted,
@@ -97,7 +98,7 @@ impl Outbox {
             raw,
             line,
         } = current;
-        post(&ToPage::Update(Update {
+        let message = posted(&ToPage::Update(Update {
             now,
             connection,
             halted,
@@ -110,6 +111,7 @@ impl Outbox {
         }));
         self.changed = false;
         self.last_sent = now;
+        message
     }
 }
 

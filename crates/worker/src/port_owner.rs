@@ -214,7 +214,8 @@ impl PortOwner {
         }
         if self.outbox.due(now).is_some_and(|due| due <= now) {
             let current = self.current_state(now);
-            self.outbox.send(now, current);
+            let update = self.outbox.send(now, current);
+            self.traffic.send_state(&update);
         }
         let outbox_due = self.outbox.due(now);
         let traffic_due = self.traffic.due();

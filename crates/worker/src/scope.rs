@@ -56,10 +56,17 @@ impl Clock {
 
 /// Posts a message to the page.
 pub(crate) fn post(message: &ToPage) {
-    match encode(message) {
-        Ok(bytes) => post_bytes(&bytes),
-        Err(error) => report("a message could not be encoded", &error.to_string().into()),
-    }
+    posted(message);
+}
+
+/// The same; returns its bytes.
+pub(crate) fn posted(message: &ToPage) -> Vec<u8> {
+    let encoded = encode(message).unwrap_or_else(|error| {
+        report("a message could not be encoded", &error.to_string().into());
+        Vec::new()
+    });
+    post_bytes(&encoded);
+    encoded
 }
 
 /// Posts bytes to the page as one transferred buffer.

@@ -1,4 +1,4 @@
-//! Line events on their way to the recorder.
+//! Line events and states on their way to the recorder.
 //!
 //! They do not pass through the page: a message channel connects the two workers.
 
@@ -8,6 +8,7 @@ use js_sys::{Array, Uint8Array};
 use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::push_traffic;
 use motorlink_protocol::Instant;
+use wasm_bindgen::JsValue;
 use web_sys::MessagePort;
 
 use crate::scope::report;
@@ -60,11 +61,25 @@ impl TrafficQueue {
             push_traffic(&mut buffer, &traffic);
         }
         let array = Uint8Array::from(buffer.as_slice());
-        let transfer = Array::of1(&array.buffer());
-        if let Err(error) = port.post_message_with_transferable(&array, &transfer) {
-            report("traffic could not be posted to the recorder", &error);
-        }
+        post(port, &array, &array);
         self.last_sent = now;
+    }
+
+    /// Posts the bytes of an update to the page: what it shows from now on. It is a buffer, not an array as line events
+    /// are. Before the recorder has started it is lost.
+    pub(crate) fn send_state(&self, update: &[u8]) {
+        if let Some(port) = &self.port {
+            let array = Uint8Array::from(update);
+            post(port, &array.buffer(), &array);
+        }
+    }
+}
+
+/// Posts a message, and transfers the buffer of this array.
+fn post(port: &MessagePort, message: &JsValue, array: &Uint8Array) {
+    let transfer = Array::of1(&array.buffer());
+    if let Err(error) = port.post_message_with_transferable(message, &transfer) {
+        report("traffic could not be posted to the recorder", &error);
     }
 }
 

@@ -265,7 +265,7 @@ pub enum Kept {
     Changed,
 }
 
-/// An entry of the packet log or a sample.
+/// An entry of the packet log, a sample, or a state of the page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KeptRecord {
     /// An event of the line.
@@ -278,6 +278,13 @@ pub enum KeptRecord {
         error: bool,
         /// Its text as it is stored: see `motorlink_i18n::untranslated`.
         text: String,
+    },
+    /// What the page showed from now on.
+    State {
+        /// When.
+        at: Instant,
+        /// As [`stored_state`](crate::stored_state) stores it, on a clock of its own.
+        stored: Vec<u8>,
     },
 }
 

@@ -10,6 +10,7 @@ use super::block::push_block;
 const HEAD: u8 = 1;
 const TRAFFIC: u8 = 2;
 const NOTE: u8 = 3;
+const STATE: u8 = 4;
 
 /// The content of one block.
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub(super) enum Content<'a> {
     Traffic(Batch<'a>),
     /// Anything else.
     Note(Note),
+    /// What the page showed from this time on.
+    State(Instant, &'a [u8]),
 }
 
 /// Encoded line events, with the figures for a summary.
@@ -74,6 +77,10 @@ impl<'a> Content<'a> {
                 Self::Traffic(Batch { count, last, bytes })
             }
             NOTE => Self::Note(whole(bytes)?),
+            STATE => {
+                let (at, stored) = postcard::take_from_bytes(bytes).ok()?;
+                Self::State(at, stored)
+            }
             _ => return None,
         })
     }
@@ -89,6 +96,10 @@ pub(super) fn push_epoch(out: &mut Vec<u8>, epoch_us: i64) {
 
 pub(super) fn push_note(out: &mut Vec<u8>, note: &Note) {
     push(out, NOTE, note, &[]);
+}
+
+pub(super) fn push_state(out: &mut Vec<u8>, at: Instant, stored: &[u8]) {
+    push(out, STATE, &at, stored);
 }
 
 /// Adds a batch of line events, already encoded.

@@ -8,7 +8,7 @@ use super::{
     block::Blocks,
     content::{Batch, Content, Note},
 };
-use crate::{log::Log, recording::Recording};
+use crate::{log::Log, recording::Recording, states::State};
 
 /// Replays the files of a session, in order, the packets first.
 #[derive(Debug)]
@@ -84,6 +84,11 @@ impl Replay {
                         }
                         Note::Exported => recording.all_exported(),
                     }
+                }
+                (_, Some(Content::State(at, stored))) => {
+                    played += 1;
+                    let (at, stored) = (timeline.at(at), stored.to_vec());
+                    log.add_state(State { at, stored });
                 }
                 (_, None) => {}
             }

@@ -8,7 +8,7 @@ use motorlink_protocol::{Instant, family::Model};
 
 use super::{
     Segment, Stream,
-    content::{Note, push_batch, push_epoch, push_note},
+    content::{Note, push_batch, push_epoch, push_note, push_state},
 };
 use crate::commanded::{Commanded, Commands};
 
@@ -16,8 +16,8 @@ use crate::commanded::{Commanded, Commands};
 pub const SEGMENT_BYTES_MAX: usize = 2 << 20;
 
 /// Bytes of packets before the oldest file is removed: a million entries of 19 bytes, which are 1 for the
-/// kind, 5 for the time and 13 for a frame with its layout.
-pub const PACKETS_BYTES_MAX: usize = 20_000_000;
+/// kind, 5 for the time and 13 for a frame with its layout, and the states of the same time.
+pub const PACKETS_BYTES_MAX: usize = 28_000_000;
 
 /// Bytes of line events in a block: half of its maximum.
 const BATCH_BYTES: usize = 1 << 15;
@@ -89,6 +89,11 @@ impl StreamWriter {
     pub(super) fn note(&mut self, note: &Note) {
         self.end_batch();
         push_note(&mut self.blocks, note);
+    }
+
+    pub(super) fn state(&mut self, at: Instant, stored: &[u8]) {
+        self.end_batch();
+        push_state(&mut self.blocks, at, stored);
     }
 
     fn end_batch(&mut self) {

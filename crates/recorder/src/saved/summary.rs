@@ -50,7 +50,8 @@ impl Summary {
                     self.packets = (self.packets + cleared).min(ENTRIES_MAX);
                 }
                 Some(Content::Note(Note::Record(true))) => self.newest = None,
-                Some(Content::Note(Note::Record(false) | Note::Exported)) | None => {}
+                Some(Content::Note(Note::Record(false) | Note::Exported) | Content::State(..))
+                | None => {}
             }
         }
     }

@@ -85,6 +85,11 @@ impl SessionWriter {
         self.packets.note(&Note::Message { at, error, text });
     }
 
+    /// Adds a stored state of the page.
+    pub(crate) fn add_state(&mut self, at: Instant, stored: &[u8]) {
+        self.packets.state(at, stored);
+    }
+
     /// The log was cleared.
     pub fn clear(&mut self) {
         self.packets.note(&Note::Clear);

@@ -2,8 +2,12 @@
 
 use std::{collections::BTreeMap, time::Duration};
 
-use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToRecorder};
-use motorlink_protocol::Instant;
+use motorlink_bus::Sample;
+use motorlink_messages::{
+    Connection, ToPage, Update, encode,
+    recorder::{Export, FromRecorder, RecordingStatus, ToRecorder},
+};
+use motorlink_protocol::{Instant, Reply};
 use motorlink_recorder::{
     Log, Output, Recorder, Recording, WallClock,
     saved::{Segment, StoreAction, Stream, Summary},
@@ -65,6 +69,12 @@ impl Page {
         for n in numbers {
             self.recorder.add_event(&driven(n));
         }
+        self.run();
+    }
+
+    /// The page shows these replies.
+    pub fn show(&mut self, at_ms: u64, replies: u16) {
+        self.recorder.add_state(update(at_ms, replies));
         self.run();
     }
 
@@ -165,3 +175,22 @@ pub fn restored(disk: &Disk, epoch_ms: f64) -> Page {
 
 /// Half an hour later.
 pub const LATER_MS: f64 = EPOCH_MS + 1_800_000.0;
+
+/// A message to the page with so many replies.
+fn update(at_ms: u64, replies: u16) -> Vec<u8> {
+    let now = Instant::from_millis(at_ms);
+    let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+    let reply = Reply::decode(&frame, None).unwrap();
+    let update = Update {
+        now,
+        connection: Connection::Disconnected,
+        halted: false,
+        motors: Vec::new(),
+        job: None,
+        raw: None,
+        line: None,
+        samples: (0..replies).map(|_| Sample { at: now, reply }).collect(),
+        notices: Vec::new(),
+    };
+    encode(&ToPage::Update(update)).unwrap()
+}

@@ -5,6 +5,7 @@
 //! | `/wire` | frames, several in a message |
 //! | `/motors/<id>/telemetry` | telemetry of a motor, derived from its replies |
 //! | `/events` | events between frames |
+//! | `/state` | what the page showed, for a replay |
 //! | `/link` | counts and round trips per second, derived from frames |
 //!
 //! `docs/sessions.md` describes them for people who read such files.
@@ -13,6 +14,7 @@ pub(crate) mod events;
 mod json;
 pub(crate) mod link;
 pub(crate) mod schemas;
+pub(crate) mod state;
 pub(crate) mod telemetry;
 pub(crate) mod wire;
 
@@ -23,11 +25,13 @@ pub(crate) use json::{integer, push_text};
 pub(crate) enum Topic {
     Wire,
     Events,
+    State,
 }
 
 impl Topic {
     pub(crate) const WIRE: &str = "/wire";
     pub(crate) const EVENTS: &str = "/events";
+    pub(crate) const STATE: &str = "/state";
     pub(crate) const LINK: &str = "/link";
 
     /// `None` for other topics: they are derived from these, or do not belong to a session.
@@ -35,6 +39,7 @@ impl Topic {
         match name {
             Self::WIRE => Some(Self::Wire),
             Self::EVENTS => Some(Self::Events),
+            Self::STATE => Some(Self::State),
             _ => None,
         }
     }

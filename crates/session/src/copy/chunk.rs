@@ -9,7 +9,7 @@ use super::bookmarks::Pending;
 use crate::{
     channels::{Topic, events, integer, schemas},
     mcap::{
-        container::{channel_content, schema_content},
+        container::{JSON, channel_content, schema_content},
         fields::Fields,
         op,
         put::{self, record},
@@ -34,7 +34,7 @@ impl Events {
         let mut known = topics.iter();
         let channel = known.find(|(_, topic)| **topic == Topic::Events);
         let Some((channel, _)) = channel else {
-            let channel = channel_content(OWN_ID, OWN_ID, Topic::EVENTS);
+            let channel = channel_content(OWN_ID, OWN_ID, Topic::EVENTS, JSON);
             let schema = schema_content(OWN_ID, schemas::EVENT);
             return Self {
                 channel: OWN_ID,

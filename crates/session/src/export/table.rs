@@ -51,6 +51,7 @@ impl Table {
                     self.0.event(out, &event, clock);
                 }
             }
+            What::State(_) => {}
         }
     }
 }

@@ -18,11 +18,15 @@ const CHUNK_BYTES: usize = 512 << 10;
 /// Maximal time per chunk, so that a truncated file loses no more.
 const CHUNK_NS: u64 = 10_000_000_000;
 
+/// The encoding of messages with a schema.
+pub(crate) const JSON: &str = "json";
+
 /// A registered channel.
 #[derive(Debug)]
 struct Channel {
     schema: u16,
     topic: String,
+    encoding: &'static str,
     messages: u64,
 }
 
@@ -84,15 +88,26 @@ impl Container {
         id
     }
 
-    /// Registers a channel. Returns its ID.
+    /// Registers a channel with JSON messages. Returns its ID.
     pub(crate) fn channel(&mut self, schema: u16, topic: String) -> u16 {
+        self.add_channel(schema, topic, JSON)
+    }
+
+    /// Registers a channel whose messages have an encoding of our own and no schema. Returns its ID.
+    pub(crate) fn own_channel(&mut self, encoding: &'static str, topic: &str) -> u16 {
+        self.add_channel(0, topic.to_owned(), encoding)
+    }
+
+    fn add_channel(&mut self, schema: u16, topic: String, encoding: &'static str) -> u16 {
         let id = u16::try_from(self.channels.len() + 1).unwrap_or(u16::MAX);
-        put_channel(&mut self.chunk.raw, id, schema, &topic);
-        self.channels.push(Channel {
+        let channel = Channel {
             schema,
             topic,
+            encoding,
             messages: 0,
-        });
+        };
+        put_channel(&mut self.chunk.raw, id, &channel);
+        self.channels.push(channel);
         id
     }
 
@@ -141,7 +156,7 @@ impl Container {
         let index = chunk.put(&mut self.out, self.taken);
         self.index.chunks.push(index);
         for (channel, id) in self.channels.iter().zip(1..) {
-            put_channel(&mut self.chunk.raw, id, channel.schema, &channel.topic);
+            put_channel(&mut self.chunk.raw, id, channel);
         }
     }
 
@@ -204,7 +219,7 @@ impl Container {
             self.index.schemas.insert(id, schema_content(id, *schema));
         }
         for (channel, id) in self.channels.iter().zip(1..) {
-            let content = channel_content(id, channel.schema, &channel.topic);
+            let content = channel_content(id, channel.schema, &channel.topic, channel.encoding);
             self.index.channels.insert(id, content);
             self.index.messages.insert(id, channel.messages);
         }
@@ -224,10 +239,9 @@ fn put_schema(out: &mut Vec<u8>, id: u16, schema: (&str, &str)) {
     });
 }
 
-fn put_channel(out: &mut Vec<u8>, id: u16, schema: u16, topic: &str) {
-    record(out, op::CHANNEL, |out| {
-        out.extend(channel_content(id, schema, topic));
-    });
+fn put_channel(out: &mut Vec<u8>, id: u16, channel: &Channel) {
+    let content = channel_content(id, channel.schema, &channel.topic, channel.encoding);
+    record(out, op::CHANNEL, |out| out.extend(content));
 }
 
 /// The content of the record of a JSON schema.
@@ -240,13 +254,13 @@ pub(crate) fn schema_content(id: u16, (name, json): (&str, &str)) -> Vec<u8> {
     out
 }
 
-/// The content of the record of a channel with JSON messages.
-pub(crate) fn channel_content(id: u16, schema: u16, topic: &str) -> Vec<u8> {
+/// The content of the record of a channel.
+pub(crate) fn channel_content(id: u16, schema: u16, topic: &str, encoding: &str) -> Vec<u8> {
     let mut out = Vec::new();
     put::u16(&mut out, id);
     put::u16(&mut out, schema);
     put::text(&mut out, topic);
-    put::text(&mut out, "json");
+    put::text(&mut out, encoding);
     put::texts(&mut out, &[]);
     out
 }

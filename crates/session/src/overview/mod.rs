@@ -114,6 +114,7 @@ impl Overview {
                     self.marks_left_out += 1;
                 }
             }
+            What::State(_) => {}
         }
     }
 

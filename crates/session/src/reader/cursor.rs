@@ -10,7 +10,7 @@ use motorlink_protocol::family::Model;
 
 use super::{Problem, Problems, Session};
 use crate::{
-    channels::{Topic, events, wire},
+    channels::{Topic, events, state, wire},
     clock::{utc_ns, zero_unix_us},
     mcap::{
         CRC,
@@ -247,6 +247,15 @@ fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) ->
                 utc_ns: log_ns,
                 what: What::Event(event),
             });
+        }
+        Topic::State => {
+            let (at, state) = state::read(data)?;
+            // One of another version is no damage: what the frames tell is shown.
+            content.records.extend(state.map(|state| Record {
+                at,
+                utc_ns: log_ns,
+                what: What::State(state.into()),
+            }));
         }
     }
     Some(content)

@@ -6,10 +6,12 @@
 //! | `playing` | the place while it plays |
 //! | `search` | the state at another place |
 //! | `track` | reads records up to a time |
-//! | `state` | what the page shows, from records |
+//! | `state` | what the page shows |
+//! | `inferred` | the same for records without states: what the frames tell |
 //! | `log_rows` | rows of the packet log |
 //! | `times`, `look_back` | the clock of a replay, and how far it reads back |
 
+mod inferred;
 mod log_rows;
 mod look_back;
 mod player;

@@ -1,23 +1,24 @@
-//! What the page shows, from records.
+//! What the page shows: the states in the file, or where it has none, what the frames tell.
 
 use std::collections::VecDeque;
 
-use motorlink_bus::{Activity, LineEvent, LineEventKind, MotorStatus, Observer, Sample};
+use motorlink_bus::{Activity, Sample};
 use motorlink_messages::{Adapter, Connection, Update, sessions::ActivityChange};
-use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_protocol::{Instant, MotorId};
 
-use crate::record::{EventKind, What};
+use super::inferred::Inferred;
+use crate::record::What;
 
 /// Changes that are kept: as many as the frames of a minute with a ramp, of which each has another setpoint.
 const ACTIVITIES_MAX: usize = 36_000;
 
-/// The state of the line after the records so far.
+/// The state after the records so far.
 #[derive(Debug)]
 pub(super) struct State {
-    observer: Observer,
-    /// The model of the line before it was disconnected.
-    model: Model,
-    is_connected: bool,
+    /// The last state in the file. Files of earlier versions have none, nor has the packet log as CSV.
+    stored: Option<Box<Update>>,
+    /// What the frames tell of the bus, before the first state.
+    inferred: Inferred,
     /// The replies since they were taken.
     pub(super) samples: Vec<Sample>,
     /// What the motors do, if its changes are kept.
@@ -32,6 +33,18 @@ struct Activities {
 }
 
 impl Activities {
+    /// What every motor does now. One that is not among them is not driven any more.
+    fn note_all(&mut self, at: Instant, now: &[(MotorId, Activity)]) {
+        for (id, activity) in now {
+            self.note(at, *id, *activity);
+        }
+        for (id, _) in self.last.clone() {
+            if !now.iter().any(|(of, _)| *of == id) {
+                self.note(at, id, Activity::Idle);
+            }
+        }
+    }
+
     fn note(&mut self, at: Instant, id: MotorId, activity: Activity) {
         match self.last.iter_mut().find(|(of, _)| *of == id) {
             Some((_, last)) if *last == activity => return,
@@ -47,11 +60,9 @@ impl Activities {
 
 impl State {
     pub(super) fn new(at: Instant) -> Self {
-        let model = Model::default();
         Self {
-            observer: Observer::new(at, model),
-            model,
-            is_connected: false,
+            stored: None,
+            inferred: Inferred::new(at),
             samples: Vec::new(),
             activities: None,
         }
@@ -68,69 +79,50 @@ impl State {
         activities.changes.into()
     }
 
-    fn note_activities(&mut self, at: Instant) {
-        if let Some(kept) = &mut self.activities {
-            for (id, activity) in self.observer.activities() {
-                kept.note(at, id, activity);
-            }
-        }
-    }
-
-    /// The line is closed: nothing drives.
-    fn all_idle(&mut self, at: Instant) {
-        if let Some(kept) = &mut self.activities {
-            for (id, _) in kept.last.clone() {
-                kept.note(at, id, Activity::Idle);
-            }
-        }
-    }
-
     /// Takes what happened. Times must not decrease.
     pub(super) fn add(&mut self, at: Instant, what: &What) {
-        match what {
-            What::Line(kind) => {
-                if let LineEventKind::ModelSelected(model) = kind {
-                    self.model = *model;
-                }
-                self.is_connected = true;
-                let event = LineEvent { at, kind: *kind };
-                self.observer.add_event(&event, &mut self.samples);
-            }
-            What::Event(event) => match event.kind {
-                EventKind::Connected => self.is_connected = true,
-                EventKind::Disconnected => {
-                    self.is_connected = false;
-                    self.all_idle(at);
-                    self.observer = Observer::new(at, self.model);
-                }
-                EventKind::StopBegan => self.observer.stop_began(at),
-                EventKind::StopEnded => self.observer.stop_ended(at),
-                EventKind::Limit
-                | EventKind::Fault
-                | EventKind::Run
-                | EventKind::Bookmark
-                | EventKind::Notice => {}
-            },
+        match (what, &self.stored) {
+            (What::State(update), _) => self.show(update),
+            (_, None) => self.inferred.add(at, what, &mut self.samples),
+            (_, Some(_)) => return,
         }
-        self.note_activities(at);
+        if let Some(kept) = &mut self.activities {
+            let motors = self.stored.iter().flat_map(|update| &update.motors);
+            let mut now: Vec<_> = motors.map(|motor| (motor.id, motor.activity)).collect();
+            if self.stored.is_none() {
+                now.extend(self.inferred.activities());
+            }
+            kept.note_all(at, &now);
+        }
+    }
+
+    fn show(&mut self, update: &Update) {
+        if self.stored.is_none()
+            && let Some(first) = update.samples.first()
+        {
+            // The same replies as their frames told before it.
+            self.samples.retain(|sample| sample.at < first.at);
+        }
+        self.samples.extend(&update.samples);
+        let samples = Vec::new();
+        // The rows of the packet log tell of them.
+        let notices = Vec::new();
+        self.stored = Some(Box::new(Update {
+            samples,
+            notices,
+            ..update.clone()
+        }));
     }
 
     /// The state at this time, which is not before the last record, and the replies since the last update.
     pub(super) fn update(&mut self, now: Instant) -> Update {
-        let line = self.observer.line_status(now);
-        // In one order, wherever the replay has begun to read.
-        let mut motors: Vec<MotorStatus> = self.observer.motors(now).collect();
-        motors.sort_unstable_by_key(|motor| motor.id);
+        let stored = self.stored.as_deref();
+        let shown = stored.map_or_else(|| self.inferred.update(now), Clone::clone);
         Update {
             now,
             connection: Connection::Connected(Adapter::Recording),
-            halted: false,
-            motors,
-            job: None,
-            raw: None,
-            line: self.is_connected.then_some(line),
             samples: std::mem::take(&mut self.samples),
-            notices: Vec::new(),
+            ..shown
         }
     }
 }

@@ -153,6 +153,7 @@ impl Track {
         match &record.what {
             What::Line(kind) => self.log.add_event(&LineEvent { at, kind: *kind }),
             What::Event(event) => self.log.add_message(at, event.error, &event.text),
+            What::State(_) => {}
         }
         self.state.add(at, &record.what);
         if is_frame(record) && self.frames.back() != Some(&at) {
@@ -168,6 +169,6 @@ impl Track {
 const fn is_frame(record: &Record) -> bool {
     match record.what {
         What::Line(kind) => kind.is_on_the_wire(),
-        What::Event(_) => false,
+        What::Event(_) | What::State(_) => false,
     }
 }

@@ -5,9 +5,15 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_bus::{
     Bus, Command, Consent, Event, LineStatus, MotorStatus, Output, Refusal, Sample,
 };
+use motorlink_messages::{
+    Adapter, Connection, ToPage, Update, encode,
+    recorder::ToRecorder,
+    sessions::{Kept, KeptRecord},
+};
 use motorlink_protocol::{
     CurrentTarget, Instant, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget, family::Model,
 };
+use motorlink_recorder::{LocalTime, Recorder, WallClock};
 use motorlink_session::{self as session, EventKind, Writer};
 use motorlink_simulator::{World, WorldConfig};
 
@@ -55,7 +61,15 @@ pub struct Live {
     pub refusals: u32,
     pub shown: Vec<Shown>,
     samples: Vec<Sample>,
+    /// Keeps the frames, and the states that the page gets.
+    recorder: Option<Recorder>,
+    /// The updates to the page: some have many samples, many have none.
+    pub updates: Vec<Update>,
+    update_samples: Vec<Sample>,
 }
+
+/// A worker posts samples to the page so often.
+const UPDATE_EVERY: Duration = Duration::from_millis(50);
 
 impl Live {
     pub fn new(config: WorldConfig) -> Self {
@@ -75,6 +89,21 @@ impl Live {
             refusals: 0,
             shown: Vec::new(),
             samples: Vec::new(),
+            recorder: None,
+            updates: Vec::new(),
+            update_samples: Vec::new(),
+        }
+    }
+
+    /// A line whose states are recorded too, as the page gets them.
+    pub fn with_states(model: Model) -> Self {
+        let mut recorder = Recorder::new(WallClock::from_us(ZERO_US, LocalTime::fixed(0)));
+        recorder.handle(ToRecorder::Epoch {
+            unix_ms: f64::from(u32::try_from(ZERO_US / 1_000_000).unwrap()) * 1_000.0,
+        });
+        Self {
+            recorder: Some(recorder),
+            ..Self::new(WorldConfig::of(model, [id(1), id(2)]))
         }
     }
 
@@ -155,6 +184,7 @@ impl Live {
             while let Some(chunk) = self.world.receive(self.now) {
                 self.bus.receive(self.now, &chunk.bytes);
             }
+            self.post_update();
             if self.now >= end {
                 self.settle();
                 return;
@@ -181,8 +211,44 @@ impl Live {
         panic!("the bus never rests");
     }
 
+    /// Posts an update if one is due.
+    fn post_update(&mut self) {
+        let Some(recorder) = &mut self.recorder else {
+            return;
+        };
+        let now = self.now;
+        let last = self
+            .updates
+            .last()
+            .map_or(Instant::ZERO, |update| update.now);
+        if now.since(last) < UPDATE_EVERY {
+            return;
+        }
+        let update = Update {
+            now,
+            connection: Connection::Connected(Adapter::Serial(None)),
+            halted: self.bus.is_halted(),
+            motors: self.bus.motors(now).collect(),
+            job: self.bus.job(),
+            raw: self.bus.raw(),
+            line: Some(self.bus.line_status(now)),
+            samples: std::mem::take(&mut self.update_samples),
+            notices: Vec::new(),
+        };
+        recorder.add_state(encode(&ToPage::Update(update.clone())).unwrap());
+        self.updates.push(update);
+    }
+
     fn happened(&mut self, event: Event) {
         self.write_notices();
+        if let Some(recorder) = &mut self.recorder {
+            match event {
+                Event::Line(line) => recorder.add_event(&line),
+                Event::Telemetry(sample) => self.update_samples.push(sample),
+                _ => {}
+            }
+            return;
+        }
         let (kind, motors) = match event {
             Event::Line(line) => return self.writer.line(&line),
             Event::Telemetry(sample) => return self.samples.push(sample),
@@ -213,6 +279,37 @@ impl Live {
     pub fn end_with_samples(mut self) -> (Vec<u8>, Vec<Sample>) {
         self.complete();
         (self.writer.finish(), self.samples)
+    }
+
+    /// The session file that is made of what the recorder keeps, and every update to the page.
+    pub fn save(self) -> (Vec<u8>, Vec<Update>) {
+        let mut recorder = self.recorder.expect("it records");
+        let mut part = recorder.first_kept(None, 100);
+        let mut writer: Option<Writer> = None;
+        loop {
+            let Kept::Part {
+                zero_us,
+                records,
+                is_last,
+                ..
+            } = part
+            else {
+                panic!("{part:?}")
+            };
+            let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &[("page", "test")]));
+            for record in records {
+                match record {
+                    KeptRecord::Line(event) => writer.line(&event),
+                    KeptRecord::State { at, stored } => writer.state(at, &stored),
+                    KeptRecord::Message { .. } => panic!("there are none"),
+                }
+            }
+            if is_last {
+                break;
+            }
+            part = recorder.next_kept(100);
+        }
+        (writer.unwrap().finish(), self.updates)
     }
 
     fn complete(&mut self) {

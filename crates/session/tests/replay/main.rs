@@ -10,4 +10,5 @@ mod packet_log;
 mod playing;
 mod random;
 mod seeking;
+mod states;
 mod steps;

@@ -30,7 +30,7 @@ impl Dice {
         u16::try_from(self.below(end.into())).unwrap()
     }
 
-    fn faults(&mut self) -> WireFaults {
+    pub fn faults(&mut self) -> WireFaults {
         match self.below(4) {
             0 => WireFaults {
                 lose_reply: 0.1,
@@ -50,7 +50,7 @@ impl Dice {
         }
     }
 
-    fn command(&mut self, model: Model) -> Command {
+    pub fn command(&mut self, model: Model) -> Command {
         let id = id(1 + u8::try_from(self.below(2)).unwrap());
         let loops = model.modes();
         let mode = loops[usize::from(self.small(4)) % loops.len()];

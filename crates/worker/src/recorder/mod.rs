@@ -9,7 +9,7 @@ mod store;
 
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
-use js_sys::Uint8Array;
+use js_sys::{ArrayBuffer, Uint8Array};
 use motorlink_messages::{
     decode, encode,
     recorder::{FromRecorder, ToRecorder, traffic},
@@ -119,7 +119,11 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
         let bytes = Uint8Array::new(&event.data()).to_vec();
         {
             let recorder = &mut shared.borrow_mut().recorder;
-            traffic(&bytes).for_each(|traffic| recorder.add_event(&traffic));
+            if event.data().is_instance_of::<ArrayBuffer>() {
+                recorder.add_state(bytes);
+            } else {
+                traffic(&bytes).for_each(|traffic| recorder.add_event(&traffic));
+            }
         }
         turn(&shared);
     });

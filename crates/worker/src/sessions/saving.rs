@@ -145,10 +145,11 @@ async fn write_to(
         };
         let about = [("page", order.version.as_str())];
         let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &about));
-        records += slice.len() as u64;
         for record in slice {
+            records += u64::from(!matches!(record, KeptRecord::State { .. }));
             match record {
                 KeptRecord::Line(event) => writer.line(&event),
+                KeptRecord::State { at, stored } => writer.state(at, &stored),
                 KeptRecord::Message { at, error, text } => {
                     let event = Event::of_page(&text, error);
                     run_events.add(at, zero_us, &event);

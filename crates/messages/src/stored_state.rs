@@ -1,0 +1,143 @@
+//! The state of the page as it is stored: an [`Update`] whole, so that a replay shows what the page showed.
+
+use motorlink_protocol::Instant;
+
+use crate::{ToPage, Update, decode, encode};
+
+/// The format of stored states. Raise it when the encoding of [`Update`] changes: a state of another format is not read.
+const FORMAT: u8 = 1;
+
+/// The state in an encoded [`ToPage::Update`], and its time. The message is not decoded: there are twenty a second.
+///
+/// Its first byte tells which message it is, and in a store it tells the format.
+#[must_use]
+pub fn of_message(mut message: Vec<u8>) -> Option<(Instant, Vec<u8>)> {
+    let (format, update) = message.split_first_mut()?;
+    let (now, _) = postcard::take_from_bytes(update).ok()?;
+    *format = FORMAT;
+    Some((now, message))
+}
+
+/// Stores a state. A state always encodes.
+#[must_use]
+pub fn store(update: Update) -> Vec<u8> {
+    let message = encode(&ToPage::Update(update)).ok();
+    let stored = message.and_then(of_message);
+    stored.map(|(_, stored)| stored).unwrap_or_default()
+}
+
+/// The stored state, with all of its times moved to a clock on which it was made `at`. `None` if it is of another format,
+/// or damaged.
+#[must_use]
+pub fn read(stored: &[u8], at: Instant) -> Option<Update> {
+    let (format, update) = stored.split_first()?;
+    let mut update: Update = decode(update).ok().filter(|_| *format == FORMAT)?;
+    let (from, to) = (update.now.as_micros(), at.as_micros());
+    let moved = |time: &mut Instant| {
+        let micros = time.as_micros().saturating_add(to).saturating_sub(from);
+        *time = Instant::from_micros(micros);
+    };
+    for motor in &mut update.motors {
+        let last = motor.last.as_mut().map(|sample| &mut sample.at);
+        let times = [
+            last,
+            motor.speed.as_mut().map(|(at, _)| at),
+            motor.current.as_mut().map(|(at, _)| at),
+            motor.position.as_mut().map(|(at, _)| at),
+            motor.temperature.as_mut().map(|(at, _)| at),
+        ];
+        times.into_iter().flatten().for_each(moved);
+    }
+    update
+        .samples
+        .iter_mut()
+        .for_each(|sample| moved(&mut sample.at));
+    update.now = at;
+    Some(update)
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_bus::{Activity, Counters, LinkQuality, MotorStatus, Sample};
+    use motorlink_protocol::{Celsius, Current, Layout, MotorId, Position, Reply, Rpm, Setpoint};
+
+    use super::*;
+    use crate::{Adapter, Connection, Notice};
+
+    fn at(millis: u64) -> Instant {
+        Instant::from_millis(millis)
+    }
+
+    /// What the page shows at 500 ms, with times that are so much later.
+    fn state(later: u64) -> Update {
+        let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+        let reply = Reply::decode(&frame, Some(Layout::Drive)).unwrap();
+        let sample = Sample {
+            at: at(480 + later),
+            reply,
+        };
+        let motor = MotorStatus {
+            id: MotorId::FIRST,
+            activity: Activity::Driven {
+                setpoint: Setpoint::Brake,
+            },
+            last: Some(sample),
+            speed: Some((at(481 + later), Rpm::new(100))),
+            current: Some((at(482 + later), Current::from_raw(717))),
+            position: Some((at(483 + later), Position::from_raw(6_095))),
+            temperature: Some((at(484 + later), Celsius::new(31))),
+            silent: false,
+            may_turn: true,
+            turns_unasked: false,
+            link: LinkQuality::default(),
+            counters: Counters::default(),
+        };
+        Update {
+            now: at(500 + later),
+            connection: Connection::Connected(Adapter::Serial(None)),
+            halted: true,
+            motors: vec![motor],
+            job: None,
+            raw: None,
+            line: None,
+            samples: vec![sample],
+            notices: vec![Notice::MotorBack(MotorId::FIRST)],
+        }
+    }
+
+    #[test]
+    fn what_was_stored_is_read_and_moved_to_another_clock() {
+        let message = encode(&ToPage::Update(state(0))).unwrap();
+        let (now, stored) = of_message(message).unwrap();
+        assert_eq!(now, at(500));
+        assert_eq!(stored, store(state(0)));
+        assert_eq!(read(&stored, now), Some(state(0)));
+        assert_eq!(read(&stored, at(9_500)), Some(state(9_000)));
+        let of_later = store(state(9_000));
+        assert_eq!(read(&of_later, at(500)), Some(state(0)));
+    }
+
+    #[test]
+    fn another_format_and_damage_are_no_state() {
+        let mut stored = store(state(0));
+        assert_eq!(read(&stored[..stored.len() - 1], at(0)), None);
+        stored[0] += 1;
+        assert_eq!(read(&stored, at(0)), None);
+        assert_eq!(read(&[], at(0)), None);
+        assert_eq!(of_message(Vec::new()), None);
+    }
+
+    /// If this fails, states of earlier versions are read as something else: raise `FORMAT`, then change the bytes here.
+    #[test]
+    fn the_format_has_not_changed() {
+        let hex: String = store(state(0))
+            .iter()
+            .map(|byte| format!("{byte:02X}"))
+            .collect();
+        let known = [
+            "01A0C21E02010001010102010180A61D0102019A0B01C80100CF2F000001E8AD1DC80101D0B51D9A0B01B8BD1DCF2F01A0C5",
+            "1D1F0001000000000000000000000000000000000000000000000180A61D0102019A0B01C80100CF2F0000010C01",
+        ];
+        assert_eq!(hex, known.concat());
+    }
+}

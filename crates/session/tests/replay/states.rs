@@ -1,0 +1,147 @@
+//! Of a session with states, a replay shows at every moment what the page showed, field by field.
+
+use std::env;
+
+use motorlink_bus::{BusSettings, Command, Consent, Limits, Repeat, Sample};
+use motorlink_messages::{Adapter, Connection, Update, sessions::FromReplay};
+use motorlink_protocol::{Instant, Request, family::Model};
+
+use crate::{
+    driver::{Replay, updates},
+    live::{Live, id, ms},
+    random::Dice,
+};
+
+/// `STRETCHES=1000` tries more.
+const STRETCHES: u64 = 40;
+
+/// Moments of each stretch to which the replay jumps.
+const JUMPS: u64 = 12;
+
+fn command(dice: &mut Dice, model: Model) -> Command {
+    match dice.below(12) {
+        0 => Command::FullScan,
+        1 => Command::CancelJob,
+        2 => Command::SendRaw {
+            frame: Request::Query { id: id(1) }.frame(),
+            repeat: Repeat::Once,
+            consent: Consent::None,
+        },
+        3 => {
+            let hottest = 40 + u16::try_from(dice.below(40)).unwrap();
+            Command::Configure(BusSettings {
+                limits: Limits::new(100, 2_000, hottest).unwrap(),
+                ..BusSettings::default()
+            })
+        }
+        _ => dice.command(model),
+    }
+}
+
+/// Some seconds of a line with random commands and faults: its file, and what the page showed.
+fn stretch(model: Model, seed: u64) -> (Vec<u8>, Vec<Update>) {
+    let mut dice = Dice::new(seed);
+    let mut live = Live::with_states(model);
+    live.watch();
+    for _ in 0..3 + dice.below(12) {
+        if dice.below(8) == 0 {
+            live.world.set_faults(dice.faults());
+        }
+        let power = dice.below(12);
+        if power < 2 {
+            live.world.motor_mut(id(1)).unwrap().power(power == 0);
+        }
+        // Many are refused in the state of the moment.
+        let _: Result<(), _> = live.command(command(&mut dice, model));
+        live.run(ms(dice.below(900)));
+    }
+    live.save()
+}
+
+/// What the replay has to show at this time.
+fn shown(live: &[Update], at: Instant) -> Update {
+    let before = live.iter().rev().find(|update| update.now <= at);
+    Update {
+        now: at,
+        connection: Connection::Connected(Adapter::Recording),
+        samples: Vec::new(),
+        ..before.expect("an update").clone()
+    }
+}
+
+fn for_each_stretch(mut each: impl FnMut(&mut Dice, &[u8], &[Update], &str)) {
+    let stretches = env::var("STRETCHES").map_or(STRETCHES, |number| number.parse().unwrap());
+    for seed in 1..=stretches {
+        let model = Model::ALL[usize::try_from(seed).unwrap() % Model::ALL.len()];
+        let (file, live) = stretch(model, seed);
+        let dice = &mut Dice::new(seed ^ 0x55);
+        each(dice, &file, &live, &format!("{model}, seed {seed}"));
+    }
+    println!("{stretches} stretches");
+}
+
+/// The replies that the page gets for its graph: those of the last seconds, then parts of the time before, newest first.
+fn graph_after_jump(messages: &[FromReplay]) -> Vec<Sample> {
+    let mut samples: Vec<Sample> = Vec::new();
+    for message in messages {
+        match message {
+            FromReplay::Jumped => samples.clear(),
+            FromReplay::Update { update, .. } => samples.extend(&update.samples),
+            FromReplay::Past(part) => _ = samples.splice(0..0, part.iter().copied()),
+            _ => {}
+        }
+    }
+    samples
+}
+
+#[test]
+fn a_jump_shows_what_the_page_showed() {
+    for_each_stretch(|dice, file, live, context| {
+        let mut replay = Replay::of(file);
+        let (first, last) = (live.first().unwrap().now, live.last().unwrap().now);
+        let length = u64::try_from(last.since(first).as_micros()).unwrap();
+        for _ in 0..JUMPS {
+            let at = Instant::from_micros(first.as_micros() + dice.below(length));
+            let before = replay.messages.len();
+            let replayed = Update {
+                samples: Vec::new(),
+                ..replay.seek(at)
+            };
+            assert_eq!(replayed, shown(live, at), "{context}");
+            let samples = graph_after_jump(&replay.messages[before..]);
+            let past = live.iter().filter(|update| update.now <= at);
+            let past: Vec<_> = past.flat_map(|update| &update.samples).copied().collect();
+            assert_eq!(samples, past, "{context}");
+        }
+    });
+}
+
+#[test]
+fn playing_shows_every_reply_once_and_every_state() {
+    for_each_stretch(|_, file, live, context| {
+        let mut replay = Replay::of(file);
+        replay.play(1_000);
+        let last = live.last().unwrap().now;
+        let begun = replay.begun().0;
+        replay.run(last.since(begun) + ms(100));
+        let mut samples: Vec<Sample> = Vec::new();
+        for (_, update) in updates(&replay.messages) {
+            samples.extend(&update.samples);
+            if update.now >= live[0].now {
+                let update = Update {
+                    samples: Vec::new(),
+                    ..update.clone()
+                };
+                assert_eq!(update, shown(live, update.now), "{context}");
+            }
+        }
+        let live: Vec<_> = live
+            .iter()
+            .flat_map(|update| &update.samples)
+            .copied()
+            .collect();
+        assert_eq!(samples, live, "{context}");
+        let jumped = |message: &FromReplay| matches!(message, FromReplay::Jumped);
+        assert!(!replay.messages.iter().any(jumped));
+    });
+}
