@@ -16,6 +16,7 @@ use crate::{
         keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
         page::{Dialog, Page},
         replay::{self, Crossing},
+        snapshot::Session,
     },
     ui::listener::on_window,
 };
@@ -64,7 +65,7 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
             focus: focus(),
             driven: features.page.is_anything_driven(),
             at_rest: features.page.is_known_to_rest(),
-            halted: features.page.latest.with_value(|session| session.halted),
+            halted: features.page.latest.with_value(Session::is_halted),
         };
         let mut keys = stop_keys.get();
         let reaction = if goes_down {

@@ -221,6 +221,11 @@ impl Session {
         matches!(self.connection, Connection::Connected(Adapter::Recording))
     }
 
+    /// Whether Stop all motors is in effect. What a recording shows of it holds nothing here.
+    pub(crate) fn is_halted(&self) -> bool {
+        self.halted && !self.is_recording()
+    }
+
     /// Motors that are driven, switched or being stopped; they have to be stopped when the page closes.
     pub(crate) fn active_motors(&self) -> impl Iterator<Item = &MotorStatus> {
         let live = !self.is_recording();

@@ -33,6 +33,7 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
         current: Some((at, Current::from_raw(100))),
         position: None,
         temperature: Some((at, Celsius::new(33))),
+        turns: None,
         silent: false,
         may_turn: false,
         turns_unasked: false,

@@ -312,6 +312,7 @@ pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
         current: reply.current.map(|current| (at, current)),
         position: None,
         temperature: None,
+        turns: None,
         silent: false,
         may_turn: false,
         turns_unasked: false,

@@ -76,6 +76,7 @@ mod temperature_filter;
 mod timing;
 mod torque;
 mod turning_unasked;
+mod turns;
 mod watchdog;
 mod window_end;
 mod withheld;
@@ -110,3 +111,4 @@ pub use timing::{
     FIRST_BRAKE_MAX, FIRST_BRAKE_MOTORS_MAX, FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM,
     SILENT_AFTER, SLEEP_MIN, STOP_WINDOW,
 };
+pub use turns::{TurnCounter, Turns};

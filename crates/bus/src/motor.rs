@@ -26,6 +26,7 @@ use crate::{
     timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP},
     torque::Torque,
     turning_unasked::TurningUnasked,
+    turns::TurnCounter,
 };
 
 mod asking;
@@ -133,6 +134,7 @@ pub(crate) struct Motor {
     current: Option<(Instant, Current)>,
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
+    turns: TurnCounter,
     overcurrent: Overcurrent,
     /// The first limit that a reply has exceeded since driving began.
     exceeded: Option<ExceededLimit>,
@@ -185,6 +187,7 @@ impl Motor {
             current: None,
             position: None,
             temperature: None,
+            turns: TurnCounter::default(),
             overcurrent: Overcurrent::default(),
             exceeded: None,
             watched_since: now,
@@ -229,6 +232,7 @@ impl Motor {
         }
         self.other_loop = None;
         self.count_reply();
+        self.turns.record(at, &reply);
         self.speed = reply.speed.map(|speed| (at, speed)).or(self.speed);
         self.current = reply.current.map(|current| (at, current)).or(self.current);
         match reply.detail {

@@ -5,6 +5,7 @@ use motorlink_protocol::{Celsius, Current, Instant, Mode, MotorId, Position, Rpm
 use crate::{
     counters::{Counters, LinkQuality},
     sample::Sample,
+    turns::Turns,
 };
 
 /// What the bus does with a motor, as the page shows it.
@@ -50,6 +51,8 @@ pub struct MotorStatus {
     pub position: Option<(Instant, Position)>,
     /// Its last temperature, from a feedback query.
     pub temperature: Option<(Instant, Celsius)>,
+    /// Its turns since its first reply, or since power-up if it counts them itself.
+    pub turns: Option<Turns>,
     /// Whether it has not answered for two seconds.
     pub silent: bool,
     /// Whether it was driven, and no reply has confirmed standstill since.

@@ -42,7 +42,7 @@ pub struct Writer {
     wire: u16,
     events: u16,
     link: u16,
-    state: u16,
+    state: Option<u16>,
     /// The last state, and when it was last written.
     last_state: Option<(Instant, Update)>,
     telemetry_schema: u16,
@@ -65,7 +65,6 @@ impl Writer {
         let wire = channel(schemas::WIRE, Topic::WIRE);
         let events = channel(schemas::EVENT, Topic::EVENTS);
         let link = channel(schemas::LINK, Topic::LINK);
-        let state = container.own_channel(state::ENCODING, Topic::STATE);
         let (name, json) = schemas::TELEMETRY;
         let telemetry_schema = container.schema(name, json);
         Self {
@@ -81,7 +80,7 @@ impl Writer {
             wire,
             events,
             link,
-            state,
+            state: None,
             last_state: None,
             telemetry_schema,
             channels: BTreeMap::new(),
@@ -151,8 +150,11 @@ impl Writer {
     fn put_state(&mut self, at: Instant, stored: &[u8]) {
         self.flush();
         let log_ns = utc_ns(self.zero_unix_us, at);
-        let message = state::message(at, stored);
-        self.container.message(self.state, log_ns, &message);
+        let container = &mut self.container;
+        let channel = self
+            .state
+            .get_or_insert_with(|| container.own_channel(state::ENCODING, Topic::STATE));
+        container.message(*channel, log_ns, &state::message(at, stored));
     }
 
     /// Writes the state again if it is old: a jump reads the last seconds only.

@@ -27,7 +27,7 @@ use crate::{
 pub(crate) fn StoppedDialog() -> impl IntoView {
     let page = use_page();
     let dialog = NodeRef::<Div>::new();
-    let halted = memo(move || page.shown.with(|session| session.halted));
+    let halted = memo(move || page.shown.with(Session::is_halted));
     focus_when(halted, dialog);
     let reason = move || {
         page.shown.with(|session| {

@@ -24,7 +24,7 @@ use self::{
     read_out::{ReadOut, Shown},
 };
 use crate::{
-    features::telemetry::{readings::Readings, twin::TwinFeed},
+    features::telemetry::{readings::Readings, twin::turns_text},
     model::{
         heat::Band,
         snapshot::{Angle, Reading, Session},
@@ -40,11 +40,6 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
     let mode = memo(move || {
         let (id, asked) = (page.selected.get(), page.loops.asked.get());
         page.shown.with(|session| mode(session, id, asked))
-    });
-    let position = page.of_motor(move |session, id| {
-        // The twin counts the turns, so that the page shows a single number.
-        let drawn = readings.twin.with_value(TwinFeed::drawn);
-        position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
     });
     let section = NodeRef::<html::Section>::new();
     instruments::draw_on_change(readings, section);
@@ -65,7 +60,7 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
             <ReadOut
                 name=tr!("Position")
                 class="position"
-                shown=position
+                shown=page.of_motor(position)
                 drawing=angle_dial::MARKUP
             />
             <ReadOut
@@ -112,15 +107,16 @@ fn mirrored(session: &Session, id: MotorId) -> String {
     word.unwrap_or_default().to_owned()
 }
 
-fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
+fn position(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.angle(id)?;
     let degrees = in_language(format::fixed(reading.value.degrees(), 1));
     let raw = match reading.value {
         Angle::Fine(position) => tr!("raw {position}", position = position.raw()),
         Angle::Coarse(position) => tr!("raw {position}/255", position = position.raw()),
     };
+    let turns = session.motor(id).and_then(|motor| motor.turns);
     let detail = match turns {
-        Some(turns) => format!("{raw}\n{turns}"),
+        Some(turns) => format!("{raw}\n{}", turns_text(turns.tenths())),
         None => raw,
     };
     Some(Shown::new(&reading, degrees, "°").with_detail(detail))
@@ -171,7 +167,7 @@ fn mode(
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
-        bus::LineStatus,
+        bus::{LineStatus, Turns},
         protocol::{Celsius, Mode, family::Model},
     };
 
@@ -188,16 +184,14 @@ mod tests {
         let mut session = session(1_016, status(1_000, Mode::Velocity, -100));
         assert_eq!(text(speed(&session, ID)), "\u{2212}100rpm ");
         assert_eq!(text(current(&session, ID)), "+0.02A ");
-        assert_eq!(text(position(&session, ID, None)), "66.4° raw 47/255");
+        assert_eq!(text(position(&session, ID)), "66.4° raw 47/255");
         let mut mirrored = session.clone();
         mirrored.mirrored.push(ID);
         assert_eq!(text(speed(&mirrored, ID)), "\u{2212}100rpm mirrored");
         assert_eq!(text(current(&mirrored, ID)), "+0.02A mirrored");
-        let turns = Some("+12.4 turns".to_owned());
-        assert_eq!(
-            text(position(&session, ID, turns)),
-            "66.4° raw 47/255\n+12.4 turns"
-        );
+        session.motors[0].turns = Some(Turns::new(12.4));
+        let with_turns = "66.4° raw 47/255\n+12.4 turns";
+        assert_eq!(text(position(&session, ID)), with_turns);
         assert_eq!(text(temperature(&session, ID, 75)), "33°C limit 75 °C");
         assert_eq!(text(faults(&session, ID)), "OK 0x00");
         let sample = session.motors[0].last.as_mut().unwrap();

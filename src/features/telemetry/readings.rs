@@ -69,10 +69,11 @@ impl Readings {
     pub(crate) fn feed_twin(self, update: &Update) {
         let id = self.page.selected.get_untracked();
         let clock = self.page.worker.clock.get_value();
-        let activity = self
+        let motor = self
             .page
             .latest
-            .with_value(|session| session.motor(id).map(|motor| motor.activity));
+            .with_value(|session| session.motor(id).copied());
+        let activity = motor.map(|motor| motor.activity);
         let goal = match activity {
             Some(Activity::Driven { setpoint }) => Some(setpoint),
             _ => None,
@@ -100,6 +101,7 @@ impl Readings {
             }
             feed.set_goal(goal);
             feed.set_activity(activity);
+            feed.set_turns(motor.and_then(|motor| motor.turns));
         });
     }
 

@@ -155,6 +155,7 @@ impl Motor {
             current: self.current,
             position: self.position,
             temperature: self.temperature,
+            turns: self.turns.turns(),
             silent: self.silent,
             may_turn: self.may_turn(),
             turns_unasked: self.is_free() && self.turning_unasked.is_shown(),

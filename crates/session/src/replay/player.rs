@@ -264,8 +264,12 @@ impl Player {
             Found::Progress(Progress::Read(range)) => return Todo::Read(range),
             Found::Progress(_) => {}
             Found::Frame(at) => self.search = Some(Search::picture(context, at)),
-            Found::Picture(target, track) => {
+            Found::Picture(target, mut track) => {
                 let from = track.from.unwrap_or(target);
+                if from > self.times.first {
+                    // The first state has replies from before it. They come with the past.
+                    track.state.samples.retain(|sample| sample.at >= from);
+                }
                 self.put(track);
                 self.place = target;
                 if self.place >= self.times.end {

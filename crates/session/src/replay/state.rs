@@ -17,6 +17,7 @@ const ACTIVITIES_MAX: usize = 36_000;
 pub(super) struct State {
     /// The last state in the file. Files of earlier versions have none, nor has the packet log as CSV.
     stored: Option<Box<Update>>,
+    has_stored_samples: bool,
     /// What the frames tell of the bus, before the first state.
     inferred: Inferred,
     /// The replies since they were taken.
@@ -62,6 +63,7 @@ impl State {
     pub(super) fn new(at: Instant) -> Self {
         Self {
             stored: None,
+            has_stored_samples: false,
             inferred: Inferred::new(at),
             samples: Vec::new(),
             activities: None,
@@ -97,10 +99,10 @@ impl State {
     }
 
     fn show(&mut self, update: &Update) {
-        if self.stored.is_none()
-            && let Some(first) = update.samples.first()
+        if let Some(first) = update.samples.first()
+            && !std::mem::replace(&mut self.has_stored_samples, true)
         {
-            // The same replies as their frames told before it.
+            // The same replies as their frames told before.
             self.samples.retain(|sample| sample.at < first.at);
         }
         self.samples.extend(&update.samples);

@@ -111,7 +111,12 @@ fn a_jump_shows_what_the_page_showed() {
             let samples = graph_after_jump(&replay.messages[before..]);
             let past = live.iter().filter(|update| update.now <= at);
             let past: Vec<_> = past.flat_map(|update| &update.samples).copied().collect();
-            assert_eq!(samples, past, "{context}");
+            let times = |samples: &[Sample]| {
+                let times = samples.iter().map(|sample| (sample.at, sample.reply.id));
+                times.collect::<Vec<_>>()
+            };
+            assert_eq!(times(&samples), times(&past), "{context}, {at:?}");
+            assert_eq!(samples, past, "{context}, {at:?}");
         }
     });
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use motorlink_messages::bus::Activity;
+use motorlink_messages::bus::{Activity, Turns};
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
 use crate::{
@@ -25,6 +25,7 @@ pub struct TwinFeed {
     angle_known: bool,
     goal: Option<Setpoint>,
     activity: Option<Activity>,
+    turns: Option<Turns>,
     drawn: Option<Drawn>,
     /// Wakes the component, which sleeps while nothing moves.
     wake: Option<Rc<dyn Fn()>>,
@@ -36,8 +37,6 @@ pub struct Drawn {
     /// The angle in degrees, unwrapped: it may be any number. As a clockwise rotation it turns a
     /// drawing the right way.
     pub angle_deg: f64,
-    /// The figures at this angle.
-    pub figures: Figures,
 }
 
 /// The content of one frame.
@@ -99,6 +98,14 @@ impl TwinFeed {
         }
     }
 
+    /// Sets the turns that the bus has counted.
+    pub fn set_turns(&mut self, turns: Option<Turns>) {
+        if self.turns != turns {
+            self.turns = turns;
+            self.wake();
+        }
+    }
+
     /// Forgets the data after a disconnection or for another motor. The wheel stays as it was drawn.
     pub fn clear(&mut self) {
         self.estimator.clear();
@@ -106,6 +113,7 @@ impl TwinFeed {
         self.angle_known = false;
         self.goal = None;
         self.activity = None;
+        self.turns = None;
         self.drawn = None;
         self.wake();
     }
@@ -155,10 +163,8 @@ impl TwinFeed {
         let angle_deg = self.angle_known.then_some(pose.heading.angle_deg);
         let figures = self
             .speed
-            .map(|(_, speed)| Figures::new(speed, angle_deg, self.estimator.turns()));
-        self.drawn = angle_deg
-            .zip(figures)
-            .map(|(angle_deg, figures)| Drawn { angle_deg, figures });
+            .map(|(_, speed)| Figures::new(speed, angle_deg, self.turns));
+        self.drawn = angle_deg.map(|angle_deg| Drawn { angle_deg });
         let driven = match self.activity {
             Some(Activity::Driven { .. } | Activity::DrivenRaw | Activity::Stopping { .. }) => true,
             Some(Activity::Idle | Activity::Switching { .. }) | None => false,
@@ -227,9 +233,8 @@ mod tests {
         assert_eq!(view.figures.unwrap().angle_text(), "–°");
     }
 
-    /// The page shows the turn count of the drawn wheel only, so that its numbers agree.
     #[test]
-    fn what_was_drawn_last_tells_the_turns_through_many_of_them() {
+    fn what_was_drawn_last_tells_the_angle_through_many_turns() {
         let mut feed = TwinFeed::default();
         feed.sample(0.0, Some(30.0), AngleQuality::Fine, Some(100));
         assert_eq!(feed.drawn(), None, "nothing was drawn yet");
@@ -242,7 +247,6 @@ mod tests {
         }
         let drawn = feed.drawn().unwrap();
         assert!((drawn.angle_deg - (30.0 - 1080.0)).abs() < 0.5, "{drawn:?}");
-        assert_eq!(drawn.figures.turns_text(), "+3.0 turns");
         feed.clear();
         assert_eq!(feed.drawn(), None);
     }

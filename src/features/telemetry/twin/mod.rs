@@ -35,3 +35,4 @@ mod turning;
 pub(crate) use component::DigitalTwin;
 pub use feed::{Drawn, TwinFeed};
 pub use motion::AngleQuality;
+pub use texts::turns_text;

@@ -120,8 +120,6 @@ pub struct Estimator {
     drawn_ms: Option<f64>,
     drawn_deg: f64,
     speed_rpm: f64,
-    /// The angle from which turns are counted.
-    origin_deg: Option<f64>,
     /// Whether the track has started since the last frame.
     begun: bool,
 }
@@ -154,7 +152,6 @@ impl Estimator {
         self.begun |= before.is_none();
         self.take_up(before, track);
         self.track = Some(track);
-        self.origin_deg.get_or_insert(angle_deg);
     }
 
     /// Adds the difference between the new and the old track in the last frame to the lag.
@@ -236,14 +233,7 @@ impl Estimator {
         self.drawn_ms = Some(f64::NEG_INFINITY);
     }
 
-    /// Turns since the first report, in the direction of positive speed.
-    #[must_use]
-    pub fn turns(&self) -> f64 {
-        let origin = self.origin_deg.unwrap_or(self.drawn_deg);
-        (origin - self.drawn_deg) / 360.0
-    }
-
-    /// Forgets the reports and the turn count. The wheel stays as it was drawn.
+    /// Forgets the reports. The wheel stays as it was drawn.
     pub fn clear(&mut self) {
         *self = Self {
             drawn_ms: self.drawn_ms,

@@ -133,28 +133,6 @@ fn coarse_reports_between_fine_ones_do_no_harm() {
     }
 }
 
-#[test]
-fn turns_are_counted_across_zero_in_the_direction_of_speed() {
-    for speed_rpm in [100.0, -100.0, 330.0] {
-        let wheel = Wheel {
-            speed_rpm,
-            start_deg: 3.0,
-        };
-        let mut estimator = Estimator::default();
-        for step in 0..=3_000 {
-            let ms = f64::from(step) * 20.0;
-            estimator.report(ms, Some(wheel.fine(ms)), speed_rpm);
-            estimator.frame(ms);
-        }
-        // One minute.
-        assert!(
-            (estimator.turns() - speed_rpm).abs() < 0.01,
-            "{}",
-            estimator.turns()
-        );
-    }
-}
-
 /// A quarter of a second without a report is most of a turn at 200 rpm; the speed tells which turn it is.
 #[test]
 fn a_gap_costs_no_turn() {
@@ -166,12 +144,8 @@ fn a_gap_costs_no_turn() {
     for ms in [0.0, 20.0, 40.0, 290.0, 310.0, 760.0, 780.0] {
         estimator.report(ms, Some(wheel.fine(ms)), 200.0);
     }
-    estimator.frame(780.0);
-    assert!(
-        (estimator.turns() - 2.6).abs() < 0.01,
-        "{}",
-        estimator.turns()
-    );
+    let turned = -estimator.frame(780.0).heading.angle_deg / 360.0;
+    assert!((turned - 2.6).abs() < 0.01, "{turned}");
 }
 
 #[test]
@@ -300,7 +274,7 @@ fn another_clock_starts_again() {
 }
 
 #[test]
-fn clearing_keeps_the_wheel_where_it_is_and_forgets_the_turns() {
+fn clearing_keeps_the_wheel_where_it_is() {
     let mut estimator = Estimator::default();
     estimator.report(0.0, Some(fine(300.0)), -60.0);
     estimator.frame(0.0);
@@ -312,5 +286,4 @@ fn clearing_keeps_the_wheel_where_it_is_and_forgets_the_turns() {
         !pose.fresh && (pose.heading.angle_deg - 30.0).abs() < 1e-9,
         "{pose:?}"
     );
-    assert!(estimator.turns().abs() < f64::EPSILON);
 }

@@ -5,10 +5,10 @@ use motorlink_i18n::{
     tr,
 };
 use motorlink_messages::Connection;
-use motorlink_messages::bus::Activity;
+use motorlink_messages::bus::{Activity, Turns};
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
-use crate::ui::mathematics::modulo;
+use crate::ui::{format::UNKNOWN, mathematics::modulo};
 
 /// The motion of the wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,23 +68,20 @@ pub struct Figures {
     pub speed: Rpm,
     /// Tenths of a degree, 0 to 3599; unknown before the first reported angle.
     pub angle_tenths: Option<i32>,
-    /// Tenths of a turn since connecting, positive in the direction of positive speed.
-    pub turns_tenths: i64,
+    /// Tenths of a turn, positive in the direction of positive speed; unknown before the first reported angle.
+    pub turns_tenths: Option<i64>,
 }
 
 impl Figures {
     /// The figures for the drawn angle in degrees, unwrapped, and the turns.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a float cast saturates, and no wheel turns that often"
-    )]
-    pub fn new(speed: Rpm, angle_deg: Option<f64>, turns: f64) -> Self {
+    #[allow(clippy::cast_possible_truncation, reason = "an angle within a turn")]
+    pub fn new(speed: Rpm, angle_deg: Option<f64>, turns: Option<Turns>) -> Self {
         Self {
             speed,
             // Rounded before it wraps: 359.96 gives 0.0, not 360.0.
             angle_tenths: angle_deg.map(|deg| modulo((deg * 10.0).round(), 3_600.0) as i32),
-            turns_tenths: (turns * 10.0).round() as i64,
+            turns_tenths: turns.map(Turns::tenths),
         }
     }
 
@@ -106,17 +103,20 @@ impl Figures {
     /// `+12.4 turns`
     #[must_use]
     pub fn turns_text(self) -> String {
-        let sign = if self.turns_tenths < 0 {
-            '\u{2212}'
-        } else {
-            '+'
-        };
-        let tenths = self.turns_tenths.unsigned_abs();
-        tr!(
-            "{turns} turns",
-            turns = in_language(format!("{sign}{}.{}", tenths / 10, tenths % 10))
-        )
+        let unknown = || tr!("{turns} turns", turns = UNKNOWN);
+        self.turns_tenths.map_or_else(unknown, turns_text)
     }
+}
+
+/// `+12.4 turns`
+#[must_use]
+pub fn turns_text(tenths: i64) -> String {
+    let sign = if tenths < 0 { '\u{2212}' } else { '+' };
+    let tenths = tenths.unsigned_abs();
+    tr!(
+        "{turns} turns",
+        turns = in_language(format!("{sign}{}.{}", tenths / 10, tenths % 10))
+    )
 }
 
 /// The description of the picture for screen readers: it changes with the motion and with every ten rpm, not with
@@ -195,14 +195,17 @@ mod tests {
 
     #[test]
     fn figures_carry_a_real_minus_and_wrap_after_rounding() {
-        let figures = Figures::new(Rpm::new(-100), Some(359.96), -12.44);
+        let turns = |number| Some(Turns::new(number));
+        let figures = Figures::new(Rpm::new(-100), Some(359.96), turns(-12.44));
         assert_eq!(figures.speed_text(), "\u{2212}100 rpm");
         assert_eq!(figures.angle_text(), "0.0°");
         assert_eq!(figures.turns_text(), "\u{2212}12.4 turns");
-        let figures = Figures::new(Rpm::new(7), Some(-293.0), 0.04);
+        let figures = Figures::new(Rpm::new(7), Some(-293.0), turns(0.04));
         assert_eq!(figures.angle_text(), "67.0°");
         assert_eq!(figures.turns_text(), "+0.0 turns");
-        assert_eq!(Figures::new(Rpm::new(0), None, 0.0).angle_text(), "–°");
+        let figures = Figures::new(Rpm::new(0), None, None);
+        assert_eq!(figures.angle_text(), "–°");
+        assert_eq!(figures.turns_text(), "– turns");
     }
 
     #[test]
