@@ -124,7 +124,7 @@ fn heap(page: &Page) -> Result<u64> {
     let mut bytes = 0;
     for memory in [
         page.memory()?,
-        page.memory_of_worker("")?,
+        page.memory_of_worker("worker")?,
         page.memory_of_worker("recorder")?,
     ] {
         bytes += memory.script + memory.wasm;
