@@ -11,7 +11,7 @@ const GAP: Duration = Duration::from_secs(1);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Turns {
-    thousandths: i64,
+    thousandths: i32,
 }
 
 impl Turns {
@@ -19,25 +19,24 @@ impl Turns {
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
-        reason = "a float cast saturates, and no wheel turns that often"
+        reason = "a float cast saturates, after days at full speed"
     )]
     pub fn new(turns: f64) -> Self {
-        let thousandths = (turns * 1_000.0).round() as i64;
+        let thousandths = (turns * 1_000.0).round() as i32;
         Self { thousandths }
     }
 
     /// Tenths of a turn, rounded.
     #[must_use]
-    pub const fn tenths(self) -> i64 {
+    pub const fn tenths(self) -> i32 {
         let half = if self.thousandths < 0 { -50 } else { 50 };
-        (self.thousandths + half) / 100
+        self.thousandths.saturating_add(half) / 100
     }
 
     /// The number of turns.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "no wheel turns that often")]
     pub fn number(self) -> f64 {
-        self.thousandths as f64 / 1_000.0
+        f64::from(self.thousandths) / 1_000.0
     }
 }
 

@@ -1,11 +1,26 @@
 //! The state of the page as it is stored: an [`Update`] whole, so that a replay shows what the page showed.
 
+use motorlink_bus::{JobStatus, LineStatus, MotorStatus, RawStatus, Sample};
 use motorlink_protocol::Instant;
+use serde::Deserialize;
 
-use crate::{ToPage, Update, decode, encode};
+use crate::{Connection, ToPage, Update, encode};
 
 /// The format of stored states. Raise it when the encoding of [`Update`] changes: a state of another format is not read.
 const FORMAT: u8 = 1;
+
+/// An [`Update`] as far as a replay shows it: without its notices, which are last.
+#[derive(Deserialize)]
+struct State {
+    now: Instant,
+    connection: Connection,
+    halted: bool,
+    motors: Vec<MotorStatus>,
+    job: Option<JobStatus>,
+    raw: Option<RawStatus>,
+    line: Option<LineStatus>,
+    samples: Vec<Sample>,
+}
 
 /// The state in an encoded [`ToPage::Update`], and its time. The message is not decoded: there are twenty a second.
 ///
@@ -26,13 +41,27 @@ pub fn store(update: Update) -> Vec<u8> {
     stored.map(|(_, stored)| stored).unwrap_or_default()
 }
 
-/// The stored state, with all of its times moved to a clock on which it was made `at`. `None` if it is of another format,
-/// or damaged.
+/// The stored state, with all of its times moved to a clock on which it was made `at`. It has no notices. `None` if it is of
+/// another format, or damaged.
 #[must_use]
 pub fn read(stored: &[u8], at: Instant) -> Option<Update> {
     let (format, update) = stored.split_first()?;
-    let mut update: Update = decode(update).ok().filter(|_| *format == FORMAT)?;
-    let (from, to) = (update.now.as_micros(), at.as_micros());
+    if *format != FORMAT {
+        return None;
+    }
+    let (state, _notices) = postcard::take_from_bytes::<State>(update).ok()?;
+    let (from, to) = (state.now.as_micros(), at.as_micros());
+    let mut update = Update {
+        now: at,
+        connection: state.connection,
+        halted: state.halted,
+        motors: state.motors,
+        job: state.job,
+        raw: state.raw,
+        line: state.line,
+        samples: state.samples,
+        notices: Vec::new(),
+    };
     let moved = |time: &mut Instant| {
         let micros = time.as_micros().saturating_add(to).saturating_sub(from);
         *time = Instant::from_micros(micros);
@@ -52,17 +81,16 @@ pub fn read(stored: &[u8], at: Instant) -> Option<Update> {
         .samples
         .iter_mut()
         .for_each(|sample| moved(&mut sample.at));
-    update.now = at;
     Some(update)
 }
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{Activity, Counters, LinkQuality, MotorStatus, Sample, Turns};
+    use motorlink_bus::{Activity, Counters, LinkQuality, Turns};
     use motorlink_protocol::{Celsius, Current, Layout, MotorId, Position, Reply, Rpm, Setpoint};
 
     use super::*;
-    use crate::{Adapter, Connection, Notice};
+    use crate::{Adapter, Notice};
 
     fn at(millis: u64) -> Instant {
         Instant::from_millis(millis)
@@ -112,16 +140,22 @@ mod tests {
         let (now, stored) = of_message(message).unwrap();
         assert_eq!(now, at(500));
         assert_eq!(stored, store(state(0)));
-        assert_eq!(read(&stored, now), Some(state(0)));
-        assert_eq!(read(&stored, at(9_500)), Some(state(9_000)));
-        let of_later = store(state(9_000));
-        assert_eq!(read(&of_later, at(500)), Some(state(0)));
+        let shown = |later| {
+            let notices = Vec::new();
+            Some(Update {
+                notices,
+                ..state(later)
+            })
+        };
+        assert_eq!(read(&stored, now), shown(0));
+        assert_eq!(read(&stored, at(9_500)), shown(9_000));
+        assert_eq!(read(&store(state(9_000)), at(500)), shown(0));
     }
 
     #[test]
     fn another_format_and_damage_are_no_state() {
         let mut stored = store(state(0));
-        assert_eq!(read(&stored[..stored.len() - 1], at(0)), None);
+        assert_eq!(read(&stored[..40], at(0)), None);
         stored[0] += 1;
         assert_eq!(read(&stored, at(0)), None);
         assert_eq!(read(&[], at(0)), None);

@@ -141,7 +141,6 @@ impl Writer {
         if let Some(mut update) = stored_state::read(stored, at) {
             self.put_state(at, stored);
             update.samples = Vec::new();
-            update.notices = Vec::new();
             self.count(at, What::State(Box::new(update.clone())));
             self.last_state = Some((at, update));
         }

@@ -107,13 +107,8 @@ impl State {
         }
         self.samples.extend(&update.samples);
         let samples = Vec::new();
-        // The rows of the packet log tell of them.
-        let notices = Vec::new();
-        self.stored = Some(Box::new(Update {
-            samples,
-            notices,
-            ..update.clone()
-        }));
+        let state = update.clone();
+        self.stored = Some(Box::new(Update { samples, ..state }));
     }
 
     /// The state at this time, which is not before the last record, and the replies since the last update.

@@ -69,7 +69,7 @@ pub struct Figures {
     /// Tenths of a degree, 0 to 3599; unknown before the first reported angle.
     pub angle_tenths: Option<i32>,
     /// Tenths of a turn, positive in the direction of positive speed; unknown before the first reported angle.
-    pub turns_tenths: Option<i64>,
+    pub turns_tenths: Option<i32>,
 }
 
 impl Figures {
@@ -110,7 +110,7 @@ impl Figures {
 
 /// `+12.4 turns`
 #[must_use]
-pub fn turns_text(tenths: i64) -> String {
+pub fn turns_text(tenths: i32) -> String {
     let sign = if tenths < 0 { '\u{2212}' } else { '+' };
     let tenths = tenths.unsigned_abs();
     tr!(
