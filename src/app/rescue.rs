@@ -11,8 +11,8 @@ use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection, ModelChoice, Notice, PortRef, ToPage, ToWorker, Update, UsbId,
-    bus::{LeftDriven, StopReport},
-    protocol::{MotorId, family::Model},
+    bus::{Activity, LeftDriven, MotorStatus, StopReport},
+    protocol::{Mode, MotorId, family::Model},
 };
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 
@@ -124,7 +124,7 @@ impl Rescue {
         let left = session.motors.iter().filter(|motor| motor.may_turn);
         let left = left.map(|motor| LeftDriven {
             id: motor.id,
-            mode: motor.last.map(|last| last.reply.mode),
+            mode: left_loop(motor),
         });
         let chosen = page.model.get_untracked();
         Some(Self {
@@ -208,6 +208,14 @@ impl Rescue {
     }
 }
 
+/// The loop that the worker has left it in; `None` if it may be another one than the last reply says.
+fn left_loop(motor: &MotorStatus) -> Option<Mode> {
+    match motor.activity {
+        Activity::Switching { .. } => None,
+        _ => motor.last.map(|last| last.reply.mode),
+    }
+}
+
 /// Starts a worker that stops the motors. Not within the handler that has noticed the failure, which belongs to the
 /// failed worker.
 fn begin(rescue: &Rc<Rescue>) {
@@ -267,6 +275,20 @@ fn text(stage: &Stage) -> NoticeText {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::snapshot::tests::status;
+
+    /// The motor may be in either loop. In the position loop, a brake turns the wheel to 0 degrees.
+    #[test]
+    fn the_loop_of_a_motor_that_switches_is_unknown() {
+        let in_velocity_loop = status(0, Mode::Velocity, 0);
+        assert_eq!(left_loop(&in_velocity_loop), Some(Mode::Velocity));
+        let to = Mode::Position;
+        let switching = MotorStatus {
+            activity: Activity::Switching { to },
+            ..in_velocity_loop
+        };
+        assert_eq!(left_loop(&switching), None);
+    }
 
     #[test]
     fn the_lock_has_the_name_that_the_worker_gives_it() {
