@@ -84,8 +84,8 @@ const SABOTAGES: [Sabotage; 29] = [
         rule: "StopIsNext",
         what: "a stop waits 100 ms",
         file: "crates/bus/src/stop.rs",
-        from: "            reached: Reached::Nothing,\n            next_frame: now,\n",
-        to: "            reached: Reached::FirstFrame,
+        from: "            last_frame: None,\n            next_frame: now,\n",
+        to: "            last_frame: Some((now, Request::IdQuery)),
             next_frame: now + Duration::from_millis(100),\n",
     },
     Sabotage {
