@@ -60,6 +60,7 @@ fn status(last: Option<Sample>) -> MotorStatus {
         current: last.and_then(|Sample { at, reply }| Some((at, reply.current?))),
         position: None,
         temperature: None,
+        turns: None,
         silent: false,
         may_turn: false,
         turns_unasked: false,
