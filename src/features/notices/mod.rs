@@ -168,10 +168,6 @@ fn next_steps(session: &Session, id: MotorId, when_silent: Option<WhenSilent>) -
             tr!("Plug the adapter back in. No motor starts until you press Start."),
             &power_switch,
         ],
-        Connection::Connected(Adapter::Recording) if session.halted => &[
-            tr!("At this moment all motors are stopped, until Release."),
-            replay::blocked(),
-        ],
         Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
             &[tr!("All motors are stopped. Press Release to drive again.")]

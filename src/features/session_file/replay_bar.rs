@@ -16,7 +16,7 @@ use crate::{
     ui::{
         button::PressButton,
         format::in_language,
-        reactive::{dynamic, effect, handler},
+        reactive::{dynamic, effect, handler, memo},
     },
 };
 
@@ -90,6 +90,16 @@ fn css_string(text: &str) -> String {
 fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let duration_us = info.duration_us;
     let at = move || texts::elapsed(player.shown_us());
+    let halted = memo(move || player.page.shown.with(|session| session.halted));
+    let name = info.name.clone();
+    // Live, a dialog says it.
+    let what = move || {
+        if halted.get() {
+            tr!("All motors stopped, until Release").to_owned()
+        } else {
+            name.clone()
+        }
+    };
     let pressed_key = move |event: KeyboardEvent| {
         let by_us = match event.key().as_str() {
             "ArrowRight" | "ArrowUp" => ARROW_US,
@@ -111,7 +121,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
             <p class="replay-what">
                 <strong>{tr!("Recording")}</strong>
                 " "
-                <span class="replay-name">{info.name.clone()}</span>
+                <span class="replay-name">{dynamic(what)}</span>
             </p>
             <div class="replay-line">
                 {strip(player, info)}
