@@ -228,7 +228,9 @@ impl Bus {
         }
         let unconfirmed = motor.loop_is_unconfirmed();
         let waited = motor.must_name_loop(now);
-        let Some(reply) = as_reply(motor, now, exchange.sent, &reading, asked) else {
+        // The reply may answer an earlier request of the same kind, if that is not long ago.
+        let measured = measures_round_trip.then_some(exchange.sent);
+        let Some(reply) = as_reply(motor, now, measured, &reading, asked) else {
             if !matches!(reading, Reading::Mode(_)) && motor.tells(now) {
                 self.events.push_back(Event::MotorBack(id));
             }
@@ -309,7 +311,7 @@ impl Bus {
         if !is_of_stop || motor.late.may_answer_id_query() || motor.loop_is_unconfirmed() {
             return false;
         }
-        let Some(reply) = as_reply(motor, now, now, reading, None) else {
+        let Some(reply) = as_reply(motor, now, None, reading, None) else {
             let named = reading.names_loop(motor.model);
             self.loop_named(now, id, named, false);
             return true;
@@ -355,7 +357,7 @@ fn begins_like(reply: &Frame, request: &Frame) -> bool {
 fn as_reply(
     motor: &mut Motor,
     now: Instant,
-    measured: Instant,
+    measured: Option<Instant>,
     reading: &Reading,
     asked: Option<motorlink_protocol::Layout>,
 ) -> Option<Reply> {

@@ -3,7 +3,7 @@
 use crate::fixture;
 use motorlink_bus::{Bus, Command, Event, Sample, StopReason};
 use motorlink_protocol::{Detail, Mode, Reply, Request, family::Model};
-use motorlink_simulator::WorldConfig;
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 use crate::fixture::driven_models::{on, setpoint, switched};
 use crate::fixture::{Fixture, ID, ms, rpm};
@@ -123,4 +123,28 @@ fn the_loop_of_a_motor_that_has_not_named_it_is_unknown() {
     let query = |sent: &fixture::Sent| matches!(sent.request(), Request::Query { .. });
     assert!(fixture.sent.first().is_some_and(query));
     assert_eq!(samples(&fixture).next(), None);
+}
+
+/// An adapter begins to gather bytes: a query meets the reply to the one before, and the speed was half too high.
+#[test]
+fn an_odometry_reply_tells_no_speed_if_it_may_answer_an_earlier_query() {
+    for hold in 30..80 {
+        let mut fixture = on(Model::Ddsm210);
+        fixture.drive(rpm(60)).unwrap();
+        fixture.run(ms(2_000));
+        fixture.forget_the_past();
+        fixture.world.set_faults(WireFaults {
+            hold: ms(hold),
+            ..WireFaults::default()
+        });
+        // Before its setpoint is withdrawn.
+        fixture.run(ms(150));
+        assert!(fixture.true_rpm().abs() > 55.0);
+        for Sample { at, reply } in samples(&fixture) {
+            if let (Detail::Odometry { .. }, Some(speed)) = (reply.detail, reply.speed) {
+                let rpm = speed.magnitude();
+                assert!((50..=70).contains(&rpm), "{hold} ms, at {at:?}: {rpm} rpm");
+            }
+        }
+    }
 }

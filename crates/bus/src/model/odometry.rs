@@ -9,18 +9,38 @@ const APART_MAX: Duration = Duration::from_secs(1);
 
 /// The last odometry reply of a motor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LastOdometry(Option<(Instant, f32, i32)>);
+pub(crate) struct LastOdometry(Option<Reported>);
+
+#[derive(Clone, Copy, Debug)]
+struct Reported {
+    at: Instant,
+    /// When the motor measured, if that is certain.
+    measured: Option<Instant>,
+    part: f32,
+    turns: i32,
+}
 
 impl LastOdometry {
     /// The mean speed since the last reply, rounded away from zero: a wheel that has moved at all is not reported
-    /// to stand. `None` without an earlier reply.
+    /// to stand. `None` without an earlier reply, or if it is uncertain when the motor `measured` one of them.
     ///
     /// The sign is that of a growing angle. No source says whether the angle grows at positive speed, so the
     /// size is what counts.
-    pub(crate) fn speed(&mut self, now: Instant, turns: i32, position: Position) -> Option<Rpm> {
+    pub(crate) fn speed(
+        &mut self,
+        now: Instant,
+        measured: Option<Instant>,
+        turns: i32,
+        position: Position,
+    ) -> Option<Rpm> {
         let part = f32::from(position.raw()) / 32_768.0;
-        let (at, part_before, turns_before) = self.0.replace((now, part, turns))?;
-        let passed = now.since(at);
+        let before = self.0.replace(Reported {
+            at: now,
+            measured,
+            part,
+            turns,
+        })?;
+        let passed = measured?.since(before.measured?);
         if passed > APART_MAX || passed.is_zero() {
             return None;
         }
@@ -28,7 +48,7 @@ impl LastOdometry {
             clippy::cast_precision_loss,
             reason = "a wheel makes few turns between two replies"
         )]
-        let moved = turns.wrapping_sub(turns_before) as f32 + part - part_before;
+        let moved = turns.wrapping_sub(before.turns) as f32 + part - before.part;
         let rpm = moved / passed.as_secs_f32() * 60.0;
         // The angle itself jitters by a step or two.
         let rpm = if rpm.abs() < 0.2 { 0.0 } else { rpm };
@@ -46,8 +66,8 @@ impl LastOdometry {
             clippy::cast_precision_loss,
             reason = "only a small number of turns is near zero"
         )]
-        let turns = |(_, part, turns): (Instant, f32, i32)| turns as f32 + part;
-        let last = self.0.filter(|(at, ..)| now.since(*at) <= APART_MAX);
+        let turns = |last: Reported| last.turns as f32 + last.part;
+        let last = self.0.filter(|last| now.since(last.at) <= APART_MAX);
         last.map(turns).is_some_and(|turns| turns.abs() > 0.5)
     }
 
@@ -67,16 +87,27 @@ mod tests {
     #[test]
     fn the_speed_is_counted_across_full_turns() {
         let mut last = LastOdometry::default();
-        let position = Position::from_raw;
-        assert_eq!(last.speed(at(0), 4, position(30_000)), None);
+        let mut speed = |ms, turns, raw| {
+            let position = Position::from_raw(raw);
+            last.speed(at(ms), Some(at(ms)), turns, position)
+        };
+        assert_eq!(speed(0, 4, 30_000), None);
         // A tenth of a turn in 100 ms is 60 rpm.
-        assert_eq!(last.speed(at(100), 5, position(508)), Some(Rpm::new(60)));
-        assert_eq!(
-            last.speed(at(200), 4, position(30_000)),
-            Some(Rpm::new(-60))
-        );
-        assert_eq!(last.speed(at(300), 4, position(30_000)), Some(Rpm::new(0)));
-        assert_eq!(last.speed(at(400), 4, position(30_030)), Some(Rpm::new(1)));
-        assert_eq!(last.speed(at(2_000), 4, position(0)), None);
+        assert_eq!(speed(100, 5, 508), Some(Rpm::new(60)));
+        assert_eq!(speed(200, 4, 30_000), Some(Rpm::new(-60)));
+        assert_eq!(speed(300, 4, 30_000), Some(Rpm::new(0)));
+        assert_eq!(speed(400, 4, 30_030), Some(Rpm::new(1)));
+        assert_eq!(speed(2_000, 4, 0), None);
+    }
+
+    #[test]
+    fn a_reply_of_an_uncertain_time_tells_no_speed_and_neither_does_the_next() {
+        let mut last = LastOdometry::default();
+        let mut speed = |ms, measured| last.speed(at(ms), measured, 1, Position::from_raw(0));
+        assert_eq!(speed(0, Some(at(0))), None);
+        assert_eq!(speed(100, None), None);
+        assert_eq!(speed(200, Some(at(200))), None);
+        assert_eq!(speed(300, Some(at(300))), Some(Rpm::new(0)));
+        assert!(last.is_far_from_zero(at(300)));
     }
 }

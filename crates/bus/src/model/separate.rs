@@ -24,11 +24,11 @@ impl Separate {
     ///
     /// A drive reply has no speed in the position loop, and an odometry reply has none of its own. Two odometry replies
     /// tell the mean speed between them, unless a drive reply between them tells a newer one. It counts from when the
-    /// motor measured, since an adapter delivers one reply later than another.
+    /// motor measured, since an adapter delivers one reply later than another; if that is uncertain, they tell no speed.
     pub(crate) fn record(
         &mut self,
         now: Instant,
-        measured: Instant,
+        measured: Option<Instant>,
         model: Model,
         reading: &Reading,
     ) -> Option<Reply> {
@@ -53,7 +53,7 @@ impl Separate {
             }
             Reading::Odometry(reading) => {
                 let (turns, position) = (reading.turns, reading.position);
-                let moved = self.odometry.speed(measured, turns, position);
+                let moved = self.odometry.speed(now, measured, turns, position);
                 let is_superseded = std::mem::take(&mut self.drive_told_speed);
                 Some(Reply {
                     id: reading.id,
