@@ -215,10 +215,10 @@ fn print_table(
     println!("| figure | must | measured | reached |");
     println!("|---|---|---|---|");
     let with_broken: u64 = broken.values().sum();
+    let played = grouped(seeds.end - seeds.start);
     println!(
-        "| worlds that fail{of} | none of {} rules broken after any step | {with_broken} of {} seeds from {} with a broken rule | {} |",
+        "| worlds that fail{of} | none of {} rules broken after any step | {with_broken} of {played} seeds from {} with a broken rule | {} |",
         Rule::ALL.len(),
-        grouped(seeds.end - seeds.start),
         seeds.start,
         yes(with_broken == 0)
     );
@@ -230,13 +230,13 @@ fn print_table(
             seeds => format!(", broken by {seeds} seeds"),
         };
         println!(
-            "| rule `{rule:?}`{of} | had something to judge 100 times or more | {times} times{by} | {} |",
+            "| rule `{rule:?}`{of} | had something to judge 100 times or more | {times} times in {played} seeds{by} | {} |",
             yes(times >= 100 && seeds == 0)
         );
     }
     for (fault, times) in &coverage.faults {
         println!(
-            "| fault `{fault:?}`{of} | 100 times or more | {times} times | {} |",
+            "| fault `{fault:?}`{of} | 100 times or more | {times} times in {played} seeds | {} |",
             yes(*times >= 100)
         );
     }

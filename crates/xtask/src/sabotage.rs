@@ -474,9 +474,9 @@ mod tests {
         let printed = "\
 seed 3, step 4: StopEnds at 1.000000 s: what
 | worlds that fail | none of 19 rules broken after any step | 12 of 2,000 seeds from 1 with a broken rule | NO |
-| rule `StopEnds` | had something to judge 100 times or more | 7 times, broken by 2 seeds | NO |
-| rule `NoOldActs` | had something to judge 100 times or more | 7 times | NO |
-| rule `HoldHolds` | had something to judge 100 times or more | 7 times, broken by 10 seeds | NO |
+| rule `StopEnds` | had something to judge 100 times or more | 7 times in 2,000 seeds, broken by 2 seeds | NO |
+| rule `NoOldActs` | had something to judge 100 times or more | 7 times in 2,000 seeds | NO |
+| rule `HoldHolds` | had something to judge 100 times or more | 7 times in 2,000 seeds, broken by 10 seeds | NO |
 ";
         let found = Found::read(printed).unwrap();
         assert_eq!(found.words(), "12 of 2,000 seeds: HoldHolds 10, StopEnds 2");
