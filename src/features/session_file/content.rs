@@ -86,11 +86,6 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                     tr!("Every reply with elapsed seconds, for PlotJuggler"),
                 )}
                 {export(
-                    SessionExport::Telemetry,
-                    tr!("Export replies"),
-                    tr!("Every reply as CSV, in the columns of the article"),
-                )}
-                {export(
                     SessionExport::Log,
                     tr!("Export log"),
                     tr!("The packet log as CSV"),

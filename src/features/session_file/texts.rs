@@ -174,7 +174,6 @@ pub(super) fn export_name(what: SessionExport, session: &str) -> String {
     let stem = session.rsplit_once('.').map_or(session, |(stem, _)| stem);
     let ending = match what {
         SessionExport::Log => "-log.csv",
-        SessionExport::Telemetry => "-telemetry.csv",
         SessionExport::Plot => "-plot.csv",
         SessionExport::Report => "-report.html",
         SessionExport::Copy => "-bookmarks.mcap",

@@ -51,8 +51,6 @@ pub enum ToSessions {
 pub enum SessionExport {
     /// The packet log as CSV.
     Log,
-    /// Every reply in the columns of the article, as CSV.
-    Telemetry,
     /// Every reply for plotting, as CSV.
     Plot,
     /// A report, as HTML.

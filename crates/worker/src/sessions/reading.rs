@@ -59,10 +59,6 @@ pub(super) async fn export(shared: &Shared, task: u32, open: &OpenSession, what:
         // It comes with its bookmarks, in a message of its own.
         SessionExport::Copy => return post(&FromSessions::Cancelled),
         SessionExport::Log => (log(shared, task, open, &mut parts).await, CSV),
-        SessionExport::Telemetry => {
-            let table = Table::of_telemetry();
-            (rows(shared, task, open, table, &mut parts).await, CSV)
-        }
         SessionExport::Plot => {
             let table = Table::of_plot(&open.overview);
             (rows(shared, task, open, table, &mut parts).await, CSV)
