@@ -52,6 +52,20 @@ pub enum Lag {
     },
 }
 
+impl Lag {
+    /// Time constant in seconds, natural frequency in Hz, damping: those that it has.
+    #[must_use]
+    pub const fn parts(self) -> (Option<Estimate>, Option<Estimate>, Option<Estimate>) {
+        match self {
+            Self::First { time_constant_s } => (Some(time_constant_s), None, None),
+            Self::Second {
+                natural_hz,
+                damping,
+            } => (None, Some(natural_hz), Some(damping)),
+        }
+    }
+}
+
 impl FittedModel {
     /// Its answer to a step of 1, this long after it.
     #[must_use]

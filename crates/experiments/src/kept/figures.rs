@@ -171,14 +171,7 @@ fn fitted(model: Option<FittedModel>) -> Row {
         Lag::First { .. } => "first",
         Lag::Second { .. } => "second",
     });
-    let (time_s, natural_hz, damping) = match lag {
-        None => (None, None, None),
-        Some(Lag::First { time_constant_s }) => (Some(time_constant_s), None, None),
-        Some(Lag::Second {
-            natural_hz,
-            damping,
-        }) => (None, Some(natural_hz), Some(damping)),
-    };
+    let (time_s, natural_hz, damping) = lag.map(Lag::parts).unwrap_or_default();
     let value = |of: Option<Estimate>| Cell::Number(of.map(|of| of.value));
     let interval = |of: Option<Estimate>| Cell::Number(of.map(|of| of.plus_minus));
     let gain = model.map(|model| model.gain);
