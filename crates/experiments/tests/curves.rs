@@ -34,6 +34,56 @@ fn a_curve_shows_the_shape_of_each_step() {
     assert!(first.points.is_sorted_by(|one, next| one.t_s <= next.t_s));
 }
 
+/// The times at which a curve jumps to another setpoint, with the setpoint.
+fn jumps(plan: &Plan, begun: &[(f64, usize)]) -> Vec<(f64, f64)> {
+    let curves = plan.curves_of_run(begun);
+    let pairs = curves[0].points.windows(2);
+    let jumps = pairs.filter(|pair| pair[0].value != pair[1].value);
+    jumps.map(|pair| (pair[1].t_s, pair[1].value)).collect()
+}
+
+#[test]
+fn what_follows_a_condition_is_drawn_where_it_happened() {
+    let text = r#"{ "motorlink_sequence": 1, "steps": [
+           { "rpm": 50, "until": { "rpm_above": 45 }, "within_s": 20 },
+           { "rpm": 20, "for_s": 1 },
+           { "rpm": 60, "for_s": 1 }] }"#;
+    let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet()).unwrap();
+    assert_eq!(jumps(&plan, &[]), [(0.0, 50.0), (20.0, 20.0), (21.0, 60.0)]);
+    assert_eq!(
+        jumps(&plan, &[(0.0, 0), (0.4, 1)]),
+        [(0.0, 50.0), (0.4, 20.0), (1.4, 60.0)]
+    );
+    // The second step was paused for 5 s.
+    assert_eq!(
+        jumps(&plan, &[(0.0, 0), (0.4, 1), (6.4, 2)]),
+        [(0.0, 50.0), (0.4, 20.0), (6.4, 60.0)]
+    );
+}
+
+#[test]
+fn a_loop_that_a_condition_has_ended_is_drawn_as_often_as_it_ran() {
+    let text = r#"{ "motorlink_sequence": 1, "steps": [
+           { "repeat": 9, "until": { "rpm_above": 50 }, "steps": [
+               { "rpm": 60, "for_s": 1 }, { "rpm": 10, "for_s": 1 }] },
+           { "rpm": 30, "for_s": 1 }] }"#;
+    let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet()).unwrap();
+    let ran = [(0.0, 1), (1.0, 2), (2.0, 1), (3.0, 2), (4.0, 4)];
+    let expected = [
+        (0.0, 60.0),
+        (1.0, 10.0),
+        (2.0, 60.0),
+        (3.0, 10.0),
+        (4.0, 30.0),
+    ];
+    assert_eq!(jumps(&plan, &ran), expected);
+    assert_eq!(
+        jumps(&plan, &ran[..2]).len(),
+        19,
+        "the passes that are left"
+    );
+}
+
 #[test]
 fn a_long_curve_is_cut_and_says_so() {
     let plan = Plan::new(&Template::Endurance.sequence(), &fleet()).unwrap();

@@ -3,7 +3,11 @@
 use std::fmt::Write;
 
 use motorlink_messages::{
-    experiments::{plan::Plan, runner::Sample, sequence::Quantity},
+    experiments::{
+        plan::{POINTS_MAX, Plan},
+        runner::{Mark, Sample},
+        sequence::Quantity,
+    },
     protocol::{Instant, MotorId},
 };
 
@@ -26,6 +30,8 @@ pub(super) struct Live {
     began: Option<Instant>,
     longest_s: f64,
     motors: Vec<(MotorId, Quantity, Columns)>,
+    /// When each step began, in seconds, and which it is.
+    begun: Vec<(f64, usize)>,
 }
 
 impl Live {
@@ -37,6 +43,7 @@ impl Live {
             began: None,
             longest_s: plan.longest_s(),
             motors: plan.motors().iter().map(motor).collect(),
+            begun: Vec::new(),
         }
     }
 
@@ -46,6 +53,14 @@ impl Live {
 
     pub(super) const fn began(&mut self, at: Instant) {
         self.began = Some(at);
+    }
+
+    pub(super) fn step_began(&mut self, mark: &Mark) {
+        // A step has a point, so the curves end before.
+        if let Some(began) = self.began.filter(|_| self.begun.len() < POINTS_MAX) {
+            let at_s = mark.at.since(began).as_secs_f64();
+            self.begun.push((at_s, mark.step));
+        }
     }
 
     pub(super) fn add(&mut self, sample: &Sample) {
@@ -97,7 +112,7 @@ pub(super) fn html(plan: &Plan, live: Option<&Live>) -> String {
 }
 
 fn draw(html: &mut String, plan: &Plan, live: Option<&Live>, quantity: Quantity) {
-    let curves = plan.curves();
+    let curves = plan.curves_of_run(live.map_or(&[], |live| &live.begun));
     let curves = || {
         curves
             .iter()
@@ -171,7 +186,10 @@ fn draw(html: &mut String, plan: &Plan, live: Option<&Live>, quantity: Quantity)
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
-        experiments::{plan::Fleet, sequence::Template},
+        experiments::{
+            plan::Fleet,
+            sequence::{Sequence, Template},
+        },
         protocol::Current,
     };
 
@@ -192,6 +210,25 @@ mod tests {
         assert!(html.contains("1 min 13 s"), "{html}");
         assert_eq!(html.matches("plan-asked").count(), 1);
         assert!(!html.contains("plan-measured"));
+    }
+
+    #[test]
+    fn a_step_after_a_condition_is_drawn_where_it_began() {
+        let text = r#"{ "motorlink_sequence": 1, "steps": [
+            { "rpm": 50, "until": { "rpm_above": 45 }, "within_s": 60 },
+            { "rpm": 20, "for_s": 1 }] }"#;
+        let fleet = Fleet::of([MotorId::FIRST]);
+        let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet).unwrap();
+        let mut live = Live::of(&plan);
+        live.began(Instant::from_millis(500));
+        assert!(html(&plan, Some(&live)).contains("1 min 1 s"));
+        for (at_ms, step) in [(500, 0), (4_500, 1)] {
+            let at = Instant::from_millis(at_ms);
+            live.step_began(&Mark { at, step });
+        }
+        let html = html(&plan, Some(&live));
+        assert!(html.contains(&texts::duration(5.0)), "{html}");
+        assert!(html.contains("L800.0 "), "{html}");
     }
 
     #[test]

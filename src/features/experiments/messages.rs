@@ -120,6 +120,9 @@ impl Experiments {
 
     fn take_part(self, part: RecordPart) {
         self.live.update_value(|live| {
+            for mark in &part.marks {
+                live.step_began(mark);
+            }
             for sample in &part.samples {
                 live.add(sample);
             }

@@ -37,21 +37,38 @@ impl Plan {
     /// A curve for each motor.
     #[must_use]
     pub fn curves(&self) -> Vec<Curve> {
+        self.curves_of_run(&[])
+    }
+
+    /// The curves of a run that has begun these steps: the seconds since its start, and the instruction. A step ends
+    /// where the next one begins, and the steps that are left follow behind them.
+    #[must_use]
+    pub fn curves_of_run(&self, begun: &[(f64, usize)]) -> Vec<Curve> {
         let mut drawing = Drawing {
             curves: self.motors.iter().copied().map(begin).collect(),
             room: POINTS_MAX,
             t_s: 0.0,
         };
         let mut passes: Vec<u32> = Vec::new();
+        let mut begun = begun.iter().peekable();
         let mut at = 0;
         while let Some(op) = self.program.get(at) {
+            let place = at;
             at += 1;
             match op {
-                Op::Move(step) => drawing.draw(step),
+                Op::Move(step) => {
+                    let start = begun.next_if(|(_, step)| *step == place);
+                    let next_s = start.and_then(|_| Some(begun.peek()?.0));
+                    drawing.t_s = start.map_or(drawing.t_s, |(start_s, _)| *start_s);
+                    drawing.draw(step, next_s);
+                }
                 Op::Loop { passes: all } => passes.push(*all),
                 Op::Again { first, .. } => {
                     let left = passes.pop().unwrap_or(1).saturating_sub(1);
-                    if left > 0 {
+                    // A condition may have ended the loop before its last pass.
+                    let next = begun.peek();
+                    let is_over = next.is_some_and(|(_, step)| !(*first..place).contains(step));
+                    if left > 0 && !is_over {
                         passes.push(left);
                         at = first + 1;
                     }
@@ -90,8 +107,9 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn draw(&mut self, step: &PlannedMove) {
-        let seconds = step.seconds();
+    fn draw(&mut self, step: &PlannedMove, next_s: Option<f64>) {
+        let planned_s = step.seconds();
+        let seconds = next_s.map_or(planned_s, |next_s| planned_s.min(next_s - self.t_s));
         let waits = matches!(step.end, End::Until { .. });
         for motor in &step.motors {
             let Some(curve) = self.curves.get_mut(*motor) else {
@@ -105,7 +123,7 @@ impl Drawing {
                 Action::Follow { shape, .. } => {
                     let count = points_of(shape, seconds);
                     let fraction = |point: u32| seconds * f64::from(point) / f64::from(count);
-                    let value = |t_s: f64| (t_s, shape.value(from, t_s, seconds));
+                    let value = |t_s: f64| (t_s, shape.value(from, t_s, planned_s));
                     points.extend((0..=count).map(|point| value(fraction(point))));
                 }
             }
