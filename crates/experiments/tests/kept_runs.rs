@@ -40,6 +40,17 @@ fn run() -> (Study, RunHeader, Record) {
 }
 
 #[test]
+fn a_run_with_a_part_that_was_not_stored_lacks_data() {
+    let (_, mut header, _) = run();
+    assert!(!header.lacks_data(0));
+    header.bytes = 3_000;
+    assert!(!header.lacks_data(3_000));
+    assert!(header.lacks_data(2_000));
+    // The page was closed before the size of the last part was stored.
+    assert!(!header.lacks_data(4_000));
+}
+
+#[test]
 fn a_run_survives_its_file_with_the_same_figures() {
     let (study, header, record) = run();
     let text = run_to_json(&header, &record);

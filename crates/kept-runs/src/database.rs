@@ -4,8 +4,13 @@
 //! written and this one cannot read is skipped.
 
 use js_sys::{Array, Promise, Reflect, Uint8Array};
-use motorlink_messages::experiments::{kept::RunHeader, runner::RecordPart};
-use motorlink_messages::{decode, encode};
+use motorlink_messages::{
+    decode, encode,
+    experiments::{
+        kept::RunHeader,
+        runner::{Record, RecordPart},
+    },
+};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
@@ -83,17 +88,15 @@ impl Database {
         stored(&store).await
     }
 
-    /// Stores a part of a record. Returns its size in bytes.
+    /// Stores a part of a record: an encoded [`RecordPart`].
     ///
     /// # Errors
     /// The browser cannot store it, such as on a full disk.
-    pub async fn add_part(&self, run: u32, place: u32, part: &RecordPart) -> Result<u32> {
-        let bytes = bytes_of(part)?;
+    pub async fn add_part(&self, run: u32, place: u32, part: &[u8]) -> Result<()> {
         let key = f64::from(run) * PARTS_MAX + f64::from(place);
         let store = self.store(PARTS, true)?;
-        store.put_with_key(&bytes, &key.into())?;
-        stored(&store).await?;
-        Ok(bytes.length())
+        store.put_with_key(&Uint8Array::from(part), &key.into())?;
+        stored(&store).await
     }
 
     /// Stores a whole run, in place of what there is of a run with its number. `part` is its encoded [`RecordPart`]. Nothing
@@ -126,18 +129,25 @@ impl Database {
         Ok(Array::from(&all).iter().filter_map(number).collect())
     }
 
-    /// The parts of a record in their order.
+    /// The record of a run, and whether it has every part: see [`RunHeader::lacks_data`].
     ///
     /// # Errors
-    /// The browser or this version cannot read all of them.
-    pub async fn parts(&self, run: u32) -> Result<Vec<RecordPart>> {
+    /// The browser or this version cannot read all that is stored.
+    pub async fn record(&self, run: &RunHeader) -> Result<(Record, bool)> {
         let store = self.store(PARTS, false)?;
-        let all = done(&store.get_all_with_key(&range(run)?)?).await?;
-        let parts = read_all(&all);
-        if parts.len() < Array::from(&all).length() as usize {
+        let all = done(&store.get_all_with_key(&range(run.number)?)?).await?;
+        let parts: Vec<RecordPart> = read_all(&all);
+        let all = Array::from(&all);
+        if parts.len() < all.length() as usize {
             return Err("a part of another version".into());
         }
-        Ok(parts)
+        let sizes = all.iter().filter_map(|part| part.dyn_into().ok());
+        let stored: u64 = sizes.map(|part: Uint8Array| u64::from(part.length())).sum();
+        let mut record = run.record();
+        for part in parts {
+            record.add_part(part);
+        }
+        Ok((record, !run.lacks_data(stored)))
     }
 
     /// Deletes a run.

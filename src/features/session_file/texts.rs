@@ -37,8 +37,10 @@ pub(super) fn of_runs_saved(runs: RunsSaved) -> Vec<String> {
     }
     if runs.is_incomplete {
         words.push(
-            tr!("Some runs of experiments are missing: this browser could not read them.")
-                .to_owned(),
+            tr!(
+                "Runs of experiments or parts of them are missing: this browser could not store or read them."
+            )
+            .to_owned(),
         );
     }
     words

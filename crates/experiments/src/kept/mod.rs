@@ -55,7 +55,7 @@ pub struct RunHeader {
     pub request_hz: f64,
     /// How it ended.
     pub outcome: Outcome,
-    /// Size of the stored record, in bytes.
+    /// Size of the record in bytes, with the parts that could not be stored.
     pub bytes: u32,
 }
 
@@ -105,6 +105,12 @@ impl RunHeader {
             amps: lower(own.amps, of_page("current_limit_ma", 1_000.0)),
             celsius: lower(own.celsius, of_page("temperature_limit_c", 1.0)),
         }
+    }
+
+    /// Whether data is missing if the stored parts have this size: a full disk leaves parts out.
+    #[must_use]
+    pub fn lacks_data(&self, stored: u64) -> bool {
+        u64::from(self.bytes) > stored
     }
 
     /// An empty record of this run, for its parts.

@@ -32,14 +32,11 @@ pub(super) async fn attach(
     runs.retain(|run| events.have(run));
     runs.sort_by_key(|run| run.number);
     for header in runs {
-        let Ok(parts) = database.parts(header.number).await else {
+        let Ok((record, is_whole)) = database.record(&header).await else {
             outcome.is_incomplete = true;
             continue;
         };
-        let mut record = header.record();
-        for part in parts {
-            record.add_part(part);
-        }
+        outcome.is_incomplete |= !is_whole;
         write(&header, &record).await?;
         outcome.saved += 1;
     }

@@ -65,6 +65,8 @@ pub(super) struct Memory {
     deleting: Vec<u32>,
     /// The numbers of the runs that this page has begun or changed: it knows more of them than the database.
     pub(super) own: Vec<u32>,
+    /// The numbers of the loaded runs that lack data.
+    pub(super) incomplete: Vec<u32>,
 }
 
 /// The kept runs. Without storage they are kept in memory, and the user is told.
@@ -351,6 +353,13 @@ impl KeptRuns {
             self.load(number);
         }
         found
+    }
+
+    /// Whether the record of this run was loaded and lacks data.
+    pub(crate) fn is_incomplete(self, number: u32) -> bool {
+        self.version.track();
+        self.memory
+            .with_value(|memory| memory.incomplete.contains(&number))
     }
 
     /// Whether the records of all these runs are in memory. The others are being loaded.

@@ -3,7 +3,10 @@
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_kept_runs::{BYTES_MAX, RUNS_MAX, too_many};
-use motorlink_messages::experiments::kept::{Outcome, RunHeader};
+use motorlink_messages::{
+    encode,
+    experiments::kept::{Outcome, RunHeader},
+};
 
 use super::runs::{KeptRuns, RECORDS_MAX};
 use crate::ui::clock::page_now_ms;
@@ -21,15 +24,15 @@ impl KeptRuns {
             return;
         };
         spawn_local(async move {
-            let Ok(parts) = database.parts(number).await else {
+            let Ok((record, is_whole)) = database.record(&header).await else {
                 let words = tr!("The data of this run cannot be read.");
                 return self.said.set(words.to_owned());
             };
-            let mut record = header.record();
-            for part in parts {
-                record.add_part(part);
-            }
             self.memory.update_value(|memory| {
+                memory.incomplete.retain(|known| *known != number);
+                if !is_whole {
+                    memory.incomplete.push(number);
+                }
                 let records = &mut memory.records;
                 if records.len() >= RECORDS_MAX {
                     let running = self.list.with_untracked(|list| {
@@ -61,17 +64,18 @@ impl KeptRuns {
         let Some((place, part)) = taken else {
             return;
         };
+        let Ok(part) = encode(&part) else {
+            return self.say_not_stored();
+        };
         spawn_local(async move {
-            match database.add_part(number, place, &part).await {
-                Ok(bytes) => self.grow(number, bytes),
-                Err(_) => self.say_not_stored(),
+            if database.add_part(number, place, &part).await.is_err() {
+                self.say_not_stored();
             }
+            // Stored with each part: the page may be closed before the run ends. A part that is not stored counts too:
+            // it is missing then.
+            let bytes = u32::try_from(part.len()).unwrap_or(u32::MAX);
+            self.change(number, |run| run.bytes = run.bytes.saturating_add(bytes));
         });
-    }
-
-    /// Stored with each part: the page may be closed before the run ends.
-    pub(super) fn grow(self, number: u32, bytes: u32) {
-        self.change(number, |run| run.bytes = run.bytes.saturating_add(bytes));
     }
 
     pub(super) fn change(self, number: u32, change: impl FnOnce(&mut RunHeader)) {

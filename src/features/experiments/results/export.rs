@@ -144,7 +144,7 @@ fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
         (tr!("Motor").to_owned(), texts::motors(&header)),
         (tr!("Model").to_owned(), header.model.clone()),
         (tr!("Date").to_owned(), texts::date(&header)),
-        (tr!("End").to_owned(), texts::outcome(header.outcome)),
+        (tr!("End").to_owned(), texts::end(kept, &header)),
         (
             tr!("Limits").to_owned(),
             study_texts::limits(header.limits()),

@@ -9,7 +9,7 @@ use motorlink_messages::experiments::{
 };
 
 use crate::{
-    features::experiments::texts,
+    features::experiments::{kept::KeptRuns, texts},
     ui::{
         clock::{local_date, local_time},
         format,
@@ -43,6 +43,17 @@ pub(super) fn outcome(outcome: Outcome) -> String {
         Outcome::Ended(End::Finished { .. }) => tr!("Finished").to_owned(),
         Outcome::Ended(end) => texts::end(end, None),
         Outcome::PageClosed => tr!("Aborted: the page was closed").to_owned(),
+    }
+}
+
+/// How a run ended, and whether data of it is missing.
+pub(super) fn end(kept: KeptRuns, run: &RunHeader) -> String {
+    let ended = outcome(run.outcome);
+    if kept.is_incomplete(run.number) {
+        let missing = tr!("A part of the data could not be stored and is missing.");
+        format!("{ended} · {missing}")
+    } else {
+        ended
     }
 }
 

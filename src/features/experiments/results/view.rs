@@ -85,7 +85,7 @@ pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoVi
             let figures = kept
                 .findings(number)
                 .map(|found| Figures::of(&found, &header.model));
-            let outcome = names::outcome(header.outcome);
+            let outcome = names::end(kept, &header);
             Some(view! {
                 <section class="run-figures" aria-label=header.name.clone()>
                     <h3>{header.name.clone()}</h3>
