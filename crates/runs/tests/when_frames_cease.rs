@@ -12,7 +12,7 @@ use motorlink_experiments::{
     runner::{Cause, End, Options, Phase, Record},
     study::{Findings, Measured, SilenceFindings, Study, StudyKind},
 };
-use motorlink_messages::runs::{FromRun, ToRun};
+use motorlink_messages::runs::ToRun;
 use motorlink_protocol::{Instant, Mode, family::Model};
 use motorlink_simulator::{MotorConfig, WhenSilent, WireFaults, WorldConfig};
 
@@ -65,25 +65,8 @@ fn try_to_start(config: WorldConfig) -> Option<Bench> {
     None
 }
 
-/// The record, as the page puts it together.
-fn record(bench: &Bench) -> Record {
-    let mut record = Record::default();
-    for message in &bench.messages {
-        if let FromRun::State(state) = message {
-            if let Some(began) = state.began {
-                record.began(began);
-            }
-            if let Phase::Ended(end) = state.phase {
-                record.ended(end);
-            }
-        }
-    }
-    record.add_part(bench.record());
-    record
-}
-
 fn findings(bench: &Bench) -> SilenceFindings {
-    match study().evaluate(&record(bench), &Measured::default()) {
+    match study().evaluate(&bench.whole_record(), &Measured::default()) {
         Findings::Silence(found) => found,
         _ => panic!("another study"),
     }

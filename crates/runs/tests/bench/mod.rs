@@ -6,7 +6,7 @@ use std::time::Duration;
 use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output};
 use motorlink_experiments::{
     plan::Fleet,
-    runner::{Cause, End, Options, Phase, RecordPart},
+    runner::{Cause, End, Options, Phase, Record, RecordPart},
 };
 use motorlink_messages::{
     encode,
@@ -271,6 +271,23 @@ impl Bench {
                 record.marks.extend(part.marks.iter().copied());
             }
         }
+        record
+    }
+
+    /// The record, as the page puts it together.
+    pub fn whole_record(&self) -> Record {
+        let mut record = Record::default();
+        for message in &self.messages {
+            if let FromRun::State(state) = message {
+                if let Some(began) = state.began {
+                    record.began(began);
+                }
+                if let Phase::Ended(end) = state.phase {
+                    record.ended(end);
+                }
+            }
+        }
+        record.add_part(self.record());
         record
     }
 
