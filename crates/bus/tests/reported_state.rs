@@ -10,8 +10,11 @@ use crate::fixture::{Fixture, ID, amps, degrees, drive_frame, every, id, ms, raw
 
 const MODES: [Mode; 3] = [Mode::Velocity, Mode::Current, Mode::Position];
 
+/// What brings the line into a state.
+type State = fn(&mut Fixture);
+
 /// Each state, by its name.
-const STATES: [(&str, fn(&mut Fixture)); 14] = [
+const STATES: [(&str, State); 14] = [
     ("idle", |_| {}),
     ("in the current loop", |it| it.switch(Mode::Current)),
     ("in the position loop", |it| it.switch(Mode::Position)),
@@ -72,7 +75,7 @@ fn setpoint(mode: Mode) -> Setpoint {
     }
 }
 
-fn in_state(state: fn(&mut Fixture)) -> (Fixture, Vec<MotorStatus>) {
+fn in_state(state: State) -> (Fixture, Vec<MotorStatus>) {
     let ids = [ID, id(2)];
     let mut fixture = Fixture::watching(WorldConfig::with_ids(ids), &ids);
     state(&mut fixture);
@@ -85,9 +88,13 @@ fn check_group(state: &ReportedState<'_>, mode: Mode) -> Result<(), Refusal> {
     ids.try_for_each(|id| state.check_member(id, mode))
 }
 
+fn check_scan(state: &ReportedState<'_>) -> Result<(), Refusal> {
+    state.check_scan()
+}
+
 /// What is said beforehand, and what the bus says.
 fn both(
-    state: fn(&mut Fixture),
+    state: State,
     check: impl Fn(&ReportedState<'_>) -> Result<(), Refusal>,
     command: Command,
 ) -> [Result<(), Refusal>; 2] {
@@ -140,7 +147,7 @@ fn scans_and_raw_frames_are_refused_beforehand_for_the_reason_of_the_bus() {
         every(1, 20),
     );
     for (name, state) in STATES {
-        let scan = both(state, |it| it.check_scan(), Command::FullScan);
+        let scan = both(state, check_scan, Command::FullScan);
         assert_eq!(scan[0], scan[1], "{name}");
         let [before, bus] = both(state, |it| it.check_raw(false), query);
         let runs = bus == Err(Refusal::RawRunning);

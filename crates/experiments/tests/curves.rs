@@ -38,7 +38,7 @@ fn a_curve_shows_the_shape_of_each_step() {
 fn jumps(plan: &Plan, begun: &[(f64, usize)]) -> Vec<(f64, f64)> {
     let curves = plan.curves_of_run(begun);
     let pairs = curves[0].points.windows(2);
-    let jumps = pairs.filter(|pair| pair[0].value != pair[1].value);
+    let jumps = pairs.filter(|pair| (pair[0].value - pair[1].value).abs() > 1e-9);
     jumps.map(|pair| (pair[1].t_s, pair[1].value)).collect()
 }
 
