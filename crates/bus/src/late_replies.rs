@@ -58,7 +58,7 @@ impl LateReplies {
     /// Records a request without a reply in its window, the last of `in_a_row`.
     pub(crate) fn unanswered(&mut self, layout: Layout, sent: Instant, in_a_row: u32) {
         let outstanding = match layout {
-            Layout::Drive | Layout::Temperature => &mut self.drive,
+            Layout::Drive => &mut self.drive,
             Layout::Query => &mut self.query,
         };
         let replies = in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX);
@@ -147,7 +147,7 @@ impl LateReplies {
             }
         }
         let (own, other) = match layout {
-            Layout::Drive | Layout::Temperature => (&mut self.drive, &self.query),
+            Layout::Drive => (&mut self.drive, &self.query),
             Layout::Query => (&mut self.query, &self.drive),
         };
         if !other.may_come(now) {

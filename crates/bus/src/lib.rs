@@ -13,7 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
-//! | know a recorded line | [`Observer`] |
+//! | know a recorded line | [`Observer`]; its samples alone: [`LineSamples`], [`CommandedValue`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
 //! [`check_position_switch`], [`needs_consent`] and others.
@@ -27,6 +27,7 @@ mod bus_status;
 mod carried_rate;
 mod command;
 mod command_kind;
+mod commanded;
 mod counters;
 mod dispatch;
 mod driving;
@@ -43,6 +44,7 @@ mod left_driven;
 mod limits;
 mod line_event;
 mod line_load;
+mod line_samples;
 mod line_use;
 mod mode_switch;
 mod model;
@@ -86,6 +88,7 @@ pub use bus::{Bus, Output};
 pub use carried_rate::CarriedRate;
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
 pub use command_kind::CommandKind;
+pub use commanded::{CommandedValue, commanded_setpoint};
 pub use counters::{Counters, LinkQuality};
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
 pub use group::setpoints::{GroupError, GroupSetpoints};
@@ -95,6 +98,7 @@ pub use job::status::JobStatus;
 pub use left_driven::LeftDriven;
 pub use limits::{ExceededLimit, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_event::{JunkBytes, LineEvent, LineEventKind};
+pub use line_samples::{LineSamples, reported_current};
 pub use line_use::LineStatus;
 pub use motor_status::{Activity, MotorStatus};
 pub use observer::Observer;

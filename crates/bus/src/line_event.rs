@@ -41,21 +41,15 @@ pub enum LineEventKind {
         /// Length of the reply window.
         waited_us: u32,
     },
-    /// A drive frame of a model with separate frames, in the units of the bus: for the recording. The event
-    /// [`Sent`](Self::Sent) just before has the bytes on the line.
-    Commanded {
-        /// The same drive frame for a DDSM115.
-        frame: Frame,
-        /// The loop in which the motor reads it, if known.
-        mode: Option<Mode>,
-    },
-    /// A reading in separate frames, as a reply of a DDSM115 in the units of the bus: for the recording. What the motor
-    /// did not say in this frame is unknown.
-    Reading {
-        /// As a DDSM115 would send it.
-        frame: Frame,
-        /// The layout of bytes 6 and 7; `None` if they say nothing.
-        asked: Option<Layout>,
+    /// What is known of a motor before its next reply, where only its replies are left. Nothing passed on the line at
+    /// this time: the bus reports no such event, a recording has it.
+    Known {
+        /// Which motor.
+        id: MotorId,
+        /// The loop that it is in.
+        mode: Mode,
+        /// The value of its last drive frame, in this loop, while such frames came.
+        value: Option<[u8; 2]>,
     },
     /// A frame that the port refused because it was still busy with the one before.
     NotSent {
@@ -90,8 +84,7 @@ impl LineEventKind {
             | Self::SentByHand { frame, mode }
             | Self::RepeatedByHand { frame, mode } => Some((*frame, *mode)),
             Self::Received { .. }
-            | Self::Commanded { .. }
-            | Self::Reading { .. }
+            | Self::Known { .. }
             | Self::Junk(_)
             | Self::Silence { .. }
             | Self::NotSent { .. }
@@ -99,14 +92,10 @@ impl LineEventKind {
         }
     }
 
-    /// Whether bytes on the line belong to this event. The others repeat a frame in other units for the recording,
-    /// or name the model.
+    /// Whether it happened on the line. The others say what the frames behind them mean.
     #[must_use]
     pub const fn is_on_the_wire(&self) -> bool {
-        !matches!(
-            self,
-            Self::Commanded { .. } | Self::Reading { .. } | Self::ModelSelected(_)
-        )
+        !matches!(self, Self::Known { .. } | Self::ModelSelected(_))
     }
 }
 

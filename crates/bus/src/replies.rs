@@ -12,9 +12,8 @@ use crate::{
     event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
     job::state::Job,
-    line_event::{JunkBytes, LineEvent, LineEventKind},
+    line_event::JunkBytes,
     line_use::Use,
-    model::units::as_combined,
     motor::{Control, Motor},
     probe::ProbeResult,
     raw::status::RawAnswer,
@@ -240,12 +239,6 @@ impl Bus {
             }
             return;
         };
-        if model.has_separate_frames() {
-            let (frame, asked) = as_combined(reply);
-            let kind = LineEventKind::Reading { frame, asked };
-            self.events
-                .push_back(Event::Line(LineEvent { at: now, kind }));
-        }
         let names_loop = confirms_loop && names_loop.is_some();
         if let Control::Driven(driven) = &mut motor.control
             && waited
@@ -354,7 +347,7 @@ fn begins_like(reply: &Frame, request: &Frame) -> bool {
 
 /// The reply that this reading makes, unless it only names the loop. `measured` is when the motor read its angle: when it
 /// was asked, as far as that is known.
-fn as_reply(
+pub(crate) fn as_reply(
     motor: &mut Motor,
     now: Instant,
     measured: Option<Instant>,

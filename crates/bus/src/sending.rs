@@ -12,7 +12,6 @@ use crate::{
     driving::is_rest,
     exchange::{Exchange, Expects, Line, Purpose},
     line_event::LineEventKind,
-    model::units::in_bus_units,
     motor::Control,
     next_request::{SendContext, Sent, next_request},
     pending_transmit::{Effect, PendingTransmit},
@@ -163,11 +162,6 @@ impl Bus {
             _ => LineEventKind::Sent { frame, mode },
         };
         self.log(at, kind);
-        if self.model.has_separate_frames()
-            && let Some(frame) = in_bus_units(self.model, &frame, mode)
-        {
-            self.log(at, LineEventKind::Commanded { frame, mode });
-        }
         self.apply_effect(&handed);
         self.begin_exchange(&handed);
     }

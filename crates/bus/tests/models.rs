@@ -1,11 +1,10 @@
 //! Every model on its own line: driven in each loop, scanned, limited, given another ID.
 
-use crate::fixture;
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, IdChangeOutcome, LimitOutOfRange, Limits,
-    LineEventKind, Refusal, SetIdFrames, WithdrawReason,
+    LineSamples, Refusal, SetIdFrames, WithdrawReason,
 };
-use motorlink_protocol::{Layout, Mode, MotorId, Reply, Setpoint, SpeedTarget, family::Model};
+use motorlink_protocol::{Mode, MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WorldConfig;
 
 use crate::fixture::driven_models::{on, setpoint, stopped, switched};
@@ -176,37 +175,34 @@ fn a_driver_board_that_answers_in_json_is_reported_once() {
     assert_eq!(said.count(), 1);
 }
 
-/// The recording has one set of units: it gets each frame of a model with separate frames a second time, as a DDSM115
-/// would send it.
 #[test]
-fn commands_and_readings_are_given_to_the_recording_in_the_units_of_the_bus() {
-    for model in [Model::Ddsm210, Model::Ddsm400] {
-        let mut fixture = on(model);
-        fixture.drive(rpm(60)).unwrap();
-        fixture.run(ms(2_000));
-        let lines = fixture.events.iter().filter_map(|(_, event)| match event {
-            Event::Line(line) => Some(line.kind),
-            _ => None,
-        });
-        let mut commanded = lines.clone().filter_map(|kind| match kind {
-            LineEventKind::Commanded { frame, mode } => Some((frame, mode)),
-            _ => None,
-        });
-        let (frame, mode) = commanded.next_back().unwrap();
-        assert_eq!(mode, Some(Mode::Velocity));
-        assert_eq!(frame, fixture::drive_frame(ID, rpm(60)), "{model}");
-        let mut layouts = Vec::new();
-        let mut speed = None;
-        for kind in lines {
-            if let LineEventKind::Reading { frame, asked } = kind {
-                layouts.extend(asked);
-                let reply = Reply::decode(&frame, asked).unwrap();
-                assert_eq!(reply.current.is_some(), asked == Some(Layout::Temperature));
-                speed = reply.speed.or(speed);
+fn the_samples_of_recorded_events_are_those_of_the_bus() {
+    for model in Model::ALL {
+        for mode in model.modes().iter().copied() {
+            let mut fixture = Fixture::new(WorldConfig::of(model, [ID]));
+            fixture.command(Command::Watch(ID)).unwrap();
+            fixture.run(ms(1_000));
+            if mode != Mode::Velocity {
+                let command = Command::SwitchMode { id: ID, mode };
+                fixture.command(command).unwrap();
+                fixture.run(ms(600));
             }
+            fixture.drive(setpoint(mode)).unwrap();
+            fixture.run(ms(150));
+            fixture.command(Command::Stop(ID)).unwrap();
+            fixture.run(ms(2_000));
+            let mut line = LineSamples::default();
+            let (mut recorded, mut live) = (Vec::new(), Vec::new());
+            for (_, event) in &fixture.events {
+                match event {
+                    Event::Line(event) => recorded.extend(line.add_event(event)),
+                    Event::Telemetry(sample) => live.push(*sample),
+                    _ => {}
+                }
+            }
+            assert_eq!(recorded, live, "{model} {mode}");
+            let drives = live.iter().filter(|sample| sample.reply.mode == mode);
+            assert!(drives.count() > 5, "{model} {mode}");
         }
-        let speed = speed.unwrap().rpm();
-        assert!((58..=62).contains(&speed), "{model} {speed}");
-        assert!(layouts.contains(&Layout::Drive) && layouts.contains(&Layout::Temperature));
     }
 }

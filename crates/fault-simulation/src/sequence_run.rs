@@ -363,8 +363,7 @@ impl SequenceRun {
         bus: &mut Bus,
         of_person: BusSettings,
     ) -> Answers {
-        let separate = bus.model().has_separate_frames();
-        match self.host.input_of(event, separate) {
+        match self.host.input_of(event, bus.model()) {
             Some(input) => self.pass(now, input, Some(bus), of_person),
             None => Answers::new(),
         }

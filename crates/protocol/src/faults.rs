@@ -59,6 +59,18 @@ impl Faults {
         self.iter().any(|active| active == fault)
     }
 
+    /// The model that names them.
+    #[must_use]
+    pub const fn model(self) -> Model {
+        self.model
+    }
+
+    /// The faults of both sets, by the names of the other one.
+    #[must_use]
+    pub const fn joined(self, other: Self) -> Self {
+        Self::of(other.model, self.byte | other.byte)
+    }
+
     /// This set with one more fault.
     #[must_use]
     pub const fn with(self, fault: Fault) -> Self {

@@ -18,8 +18,6 @@ pub enum Layout {
     Drive,
     /// Of a feedback query: temperature and the coarse position.
     Query,
-    /// Of a drive reply in separate frames, as a recording keeps it: only the temperature, in byte 6.
-    Temperature,
 }
 
 /// A reply: what a motor reports in one frame.
@@ -28,8 +26,8 @@ pub enum Layout {
 /// |---|---|
 /// | 0 | ID |
 /// | 1 | mode |
-/// | 2-3 | torque current, i16 big-endian; 0x8000, which no motor sends, if it is unknown |
-/// | 4-5 | velocity in rpm, i16 big-endian; 0x8000 if it is unknown |
+/// | 2-3 | torque current, i16 big-endian |
+/// | 4-5 | velocity in rpm, i16 big-endian |
 /// | 6-7 | [`Detail`], by [`Layout`] |
 /// | 8 | [`Faults`] |
 /// | 9 | CRC |
@@ -40,9 +38,9 @@ pub struct Reply {
     pub id: MotorId,
     /// The loop that the motor closes.
     pub mode: Mode,
-    /// Torque current; `None` if the reply does not tell it.
+    /// Torque current; `None` if the reply does not tell it, in separate frames.
     pub current: Option<Current>,
-    /// Speed of the wheel; `None` if the reply does not tell it.
+    /// Speed of the wheel; `None` if the reply does not tell it, in separate frames.
     pub speed: Option<Rpm>,
     /// Bytes 6 and 7.
     pub detail: Detail,
@@ -95,17 +93,6 @@ pub enum ReplyError {
     BadMode(UnknownMode),
 }
 
-/// Stands for a current or a speed that is not known: beyond the range of both.
-const UNKNOWN: i16 = i16::MIN;
-
-/// The value of two bytes, if it is known.
-const fn told(bytes: [u8; 2]) -> Option<i16> {
-    match i16::from_be_bytes(bytes) {
-        UNKNOWN => None,
-        value => Some(value),
-    }
-}
-
 impl Reply {
     /// Decodes a frame in the layout that was asked for; with `None`, bytes 6 and 7 stay
     /// undetermined.
@@ -121,18 +108,18 @@ impl Reply {
         Ok(Self {
             id: MotorId::new(id).map_err(ReplyError::BadId)?,
             mode: Mode::from_byte(mode).map_err(ReplyError::BadMode)?,
-            current: told([i_hi, i_lo]).map(Current::from_raw),
-            speed: told([v_hi, v_lo]).map(Rpm::new),
+            current: Some(Current::from_raw(i16::from_be_bytes([i_hi, i_lo]))),
+            speed: Some(Rpm::new(i16::from_be_bytes([v_hi, v_lo]))),
             detail: Detail::read([d0, d1], asked),
             faults: Faults::from_byte(faults),
         })
     }
 
-    /// The ten bytes that a motor sends for this reply.
+    /// The ten bytes that a motor with combined frames sends for this reply.
     #[must_use]
     pub fn frame(&self) -> Frame {
-        let [i_hi, i_lo] = self.current.map_or(UNKNOWN, Current::raw).to_be_bytes();
-        let [v_hi, v_lo] = self.speed.map_or(UNKNOWN, Rpm::rpm).to_be_bytes();
+        let [i_hi, i_lo] = self.current.unwrap_or_default().raw().to_be_bytes();
+        let [v_hi, v_lo] = self.speed.unwrap_or_default().rpm().to_be_bytes();
         let [d0, d1] = self.detail.bytes();
         let (id, mode) = (self.id.get(), self.mode.byte());
         Frame::with_crc([id, mode, i_hi, i_lo, v_hi, v_lo, d0, d1, self.faults.byte()])
@@ -168,7 +155,6 @@ impl Detail {
                 temperature: Celsius::new(high),
                 position: CoarsePosition::from_raw(low),
             },
-            Some(Layout::Temperature) => Self::Temperature(Celsius::new(high)),
             None => Self::Undetermined(bytes),
         }
     }

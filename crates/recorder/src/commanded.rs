@@ -2,43 +2,32 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Current, Frame, Instant, Mode, OpenLoopTarget, Position, Request, Rpm};
+use motorlink_bus::{CommandedValue, LineEvent, LineEventKind};
+use motorlink_protocol::{
+    Acceleration, Drive, Instant, Mode,
+    family::{Model, Request},
+};
 
 /// How long a drive frame counts as the command of the host, whatever the motor does when frames cease. At the lowest command rate, 1 Hz, the next one comes after a second; the rest is for a delayed line.
 const COUNTS_FOR: Duration = Duration::from_millis(1_500);
-
-/// Second byte of a drive frame.
-const DRIVE: u8 = 0x64;
 
 /// The setpoint of a drive frame, in the loop in which the motor reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Commanded {
     /// Bytes 2 and 3 of the frame.
-    value: [u8; 2],
+    pub(crate) value: [u8; 2],
     pub(crate) mode: Mode,
 }
 
-/// A commanded value in its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum CommandedValue {
-    Speed(Rpm),
-    Current(Current),
-    Position(Position),
-    OpenLoop(OpenLoopTarget),
-}
-
 impl Commanded {
-    pub(crate) const fn value(self) -> CommandedValue {
-        let signed = i16::from_be_bytes(self.value);
-        match self.mode {
-            Mode::Velocity => CommandedValue::Speed(Rpm::new(signed)),
-            Mode::Current => CommandedValue::Current(Current::from_raw(signed)),
-            Mode::OpenLoop => CommandedValue::OpenLoop(OpenLoopTarget::nearest(signed)),
-            Mode::Position => {
-                CommandedValue::Position(Position::from_raw(u16::from_be_bytes(self.value)))
-            }
-        }
+    /// The value in its unit, for a motor of this model.
+    pub(crate) fn value(self, model: Model) -> CommandedValue {
+        let drive = Drive {
+            value: self.value,
+            acceleration: Acceleration::DEFAULT,
+            brake: 0,
+        };
+        CommandedValue::of(model, drive, self.mode)
     }
 }
 
@@ -59,25 +48,25 @@ impl Commands {
         Self(Vec::new())
     }
 
-    /// Takes in a line event. Only drive frames and mode switches count.
+    /// Takes in an event of a line of this model. Only drive frames, mode switches and what is known count.
     #[inline(never)]
-    pub(crate) fn add_event(&mut self, event: &LineEvent) {
-        let commanded = match event.kind {
-            LineEventKind::Commanded { frame, mode } => Some((frame, mode)),
-            kind => kind.sent(),
-        };
-        let Some((frame, mode)) = commanded else {
-            return;
-        };
-        let (id, commanded) = match Request::parse(&frame) {
-            // Without its loop, a value has no unit.
-            Ok(Request::Drive { id, drive }) => {
-                let value = drive.value;
-                (id, mode.map(|mode| Commanded { value, mode }))
+    pub(crate) fn add_event(&mut self, model: Model, event: &LineEvent) {
+        let (id, commanded) = if let LineEventKind::Known { id, mode, value } = event.kind {
+            (id, value.map(|value| Commanded { value, mode }))
+        } else {
+            let Some((frame, mode)) = event.kind.sent() else {
+                return;
+            };
+            match Request::parse(model, &frame) {
+                // Without its loop, a value has no unit.
+                Ok(Request::Drive { id, drive }) => {
+                    let value = drive.value;
+                    (id, mode.map(|mode| Commanded { value, mode }))
+                }
+                // The value before it was for another loop.
+                Ok(Request::SwitchMode { id, .. }) => (id, None),
+                _ => return,
             }
-            // The value before it was for another loop.
-            Ok(Request::SwitchMode { id, .. }) => (id, None),
-            _ => return,
         };
         self.set(Last {
             address: id.get(),
@@ -112,44 +101,17 @@ impl Commands {
         self.last(address)?.commanded
     }
 
-    /// The mark to save before a sample with this command: a drive frame, if the marks before say otherwise.
-    pub(crate) fn mark(
-        &mut self,
-        address: u8,
-        at: Instant,
-        commanded: Option<Commanded>,
-    ) -> Option<LineEvent> {
-        if self.marked(address) == commanded {
-            return None;
-        }
-        self.set(Last {
-            address,
-            at,
-            commanded,
-        });
-        let [high, low] = commanded.map_or([0; 2], |commanded| commanded.value);
-        // With the acceleration spelled out: the zero frame to 0xC8 is the ID query otherwise.
-        let frame = Frame::with_crc([address, DRIVE, high, low, 0, 0, 1, 0, 0]);
-        let mode = commanded.map(|commanded| commanded.mode);
-        let kind = LineEventKind::Sent { frame, mode };
-        Some(LineEvent { at, kind })
-    }
-
     /// Sets the times to another clock.
     pub(crate) fn set_clock(&mut self, mut at: impl FnMut(Instant) -> Instant) {
         for last in &mut self.0 {
             last.at = at(last.at);
         }
     }
-
-    pub(crate) fn clear(&mut self) {
-        self.0.clear();
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::{MotorId, Setpoint, SpeedTarget};
+    use motorlink_protocol::{MotorId, Request, Rpm, Setpoint, SpeedTarget};
 
     use super::*;
 
@@ -170,17 +132,20 @@ mod tests {
 
     fn value(commands: &Commands, millis: u64) -> Option<CommandedValue> {
         let commanded = commands.at(ID.get(), Instant::from_millis(millis));
-        commanded.map(Commanded::value)
+        commanded.map(|commanded| commanded.value(Model::Ddsm115))
     }
 
     #[test]
     fn a_command_is_the_last_drive_frame_for_as_long_as_such_frames_come() {
         let mut commands = Commands::default();
         assert_eq!(value(&commands, 0), None);
-        commands.add_event(&drive(10, -100));
+        commands.add_event(Model::Ddsm115, &drive(10, -100));
         let speed = Some(CommandedValue::Speed(Rpm::new(-100)));
         assert_eq!(value(&commands, 12), speed);
-        commands.add_event(&sent(20, Request::Query { id: ID }, Some(Mode::Velocity)));
+        commands.add_event(
+            Model::Ddsm115,
+            &sent(20, Request::Query { id: ID }, Some(Mode::Velocity)),
+        );
         assert_eq!(value(&commands, 1_510), speed);
         assert_eq!(value(&commands, 1_511), None);
         assert_eq!(commands.at(2, Instant::from_millis(12)), None);
@@ -200,41 +165,9 @@ mod tests {
             },
         ] {
             let mut commands = Commands::default();
-            commands.add_event(&drive(10, 50));
-            commands.add_event(&ends);
+            commands.add_event(Model::Ddsm115, &drive(10, 50));
+            commands.add_event(Model::Ddsm115, &ends);
             assert_eq!(value(&commands, 21), None, "{ends:?}");
-        }
-    }
-
-    #[test]
-    fn marks_tell_every_change_and_nothing_else() {
-        let mut live = Commands::default();
-        let (mut written, mut read) = (Commands::default(), Commands::default());
-        let mut marks = 0;
-        for n in 0..4_000 {
-            if n < 2_000 {
-                live.add_event(&drive(n, if n < 1_000 { 100 } else { -100 }));
-            }
-            let at = Instant::from_millis(n + 1);
-            let commanded = live.at(ID.get(), at);
-            if let Some(mark) = written.mark(ID.get(), at, commanded) {
-                marks += 1;
-                read.add_event(&mark);
-            }
-            assert_eq!(read.marked(ID.get()), commanded, "{n}");
-        }
-        assert_eq!(marks, 3, "+100, -100 and none");
-    }
-
-    #[test]
-    fn a_mark_of_motor_200_is_no_id_query() {
-        let (mut written, mut read) = (Commands::default(), Commands::default());
-        let (value, mode) = ([0; 2], Mode::Velocity);
-        let commanded = Some(Commanded { value, mode });
-        for commanded in [commanded, None] {
-            let mark = written.mark(0xC8, Instant::ZERO, commanded).unwrap();
-            read.add_event(&mark);
-            assert_eq!(read.marked(0xC8), commanded);
         }
     }
 }

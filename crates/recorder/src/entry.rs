@@ -48,19 +48,16 @@ impl Entry {
             EntryContent::Line(
                 LineEventKind::Sent { .. }
                 | LineEventKind::SentByHand { .. }
-                | LineEventKind::RepeatedByHand { .. }
-                | LineEventKind::Commanded { .. },
+                | LineEventKind::RepeatedByHand { .. },
             ) => Kind::Tx,
-            EntryContent::Line(LineEventKind::Received { .. } | LineEventKind::Reading { .. }) => {
-                Kind::Rx
-            }
+            EntryContent::Line(LineEventKind::Received { .. }) => Kind::Rx,
             EntryContent::Line(
                 LineEventKind::Junk(_)
                 | LineEventKind::Silence { .. }
                 | LineEventKind::NotSent { .. },
             )
             | EntryContent::Message { error: true, .. } => Kind::Error,
-            EntryContent::Line(LineEventKind::ModelSelected(_))
+            EntryContent::Line(LineEventKind::Known { .. } | LineEventKind::ModelSelected(_))
             | EntryContent::Message { error: false, .. } => Kind::System,
         }
     }
@@ -70,7 +67,6 @@ impl Entry {
         match self.content {
             EntryContent::Line(
                 LineEventKind::Sent { frame, .. }
-                | LineEventKind::Commanded { frame, .. }
                 | LineEventKind::SentByHand { frame, .. }
                 | LineEventKind::RepeatedByHand { frame, .. }
                 | LineEventKind::NotSent { frame },
@@ -83,13 +79,13 @@ impl Entry {
                 };
                 MotorId::new(first).ok().filter(|_| !to_all)
             }
-            EntryContent::Line(
-                LineEventKind::Received { frame, .. } | LineEventKind::Reading { frame, .. },
-            ) => {
+            EntryContent::Line(LineEventKind::Received { frame, .. }) => {
                 let [first, ..] = *frame.bytes();
                 MotorId::new(first).ok()
             }
-            EntryContent::Line(LineEventKind::Silence { id, .. }) => Some(id),
+            EntryContent::Line(
+                LineEventKind::Silence { id, .. } | LineEventKind::Known { id, .. },
+            ) => Some(id),
             EntryContent::Line(LineEventKind::Junk(_) | LineEventKind::ModelSelected(_))
             | EntryContent::Message { .. } => None,
         }
@@ -103,12 +99,14 @@ impl Entry {
                 | LineEventKind::SentByHand { frame, .. }
                 | LineEventKind::RepeatedByHand { frame, .. }
                 | LineEventKind::Received { frame, .. }
-                | LineEventKind::Commanded { frame, .. }
-                | LineEventKind::Reading { frame, .. }
                 | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
             EntryContent::Line(LineEventKind::Junk(junk)) => junk.bytes(),
-            EntryContent::Line(LineEventKind::Silence { .. } | LineEventKind::ModelSelected(_))
+            EntryContent::Line(
+                LineEventKind::Silence { .. }
+                | LineEventKind::Known { .. }
+                | LineEventKind::ModelSelected(_),
+            )
             | EntryContent::Message { .. } => &[],
         }
     }

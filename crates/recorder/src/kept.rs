@@ -1,21 +1,20 @@
 //! What the recorder keeps, as one sequence in order of time: for a session file.
 //!
 //! The packet log has every frame, of a quarter of an hour at least. The recording goes further back, but has only
-//! replies. So the sequence begins with the samples from before the log, as readings that are not on the line any
-//! more. Behind that come the entries of the log; of models with separate frames also their samples, which have no
-//! entries.
+//! replies. So the sequence begins with the replies from before the log, with marks that say what else is known of
+//! their motors. Behind that come the entries of the log.
 
 use std::{ops::Range, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::sessions::{KeptRecord, Progress};
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_protocol::Instant;
 
 use crate::{
     chunks::Chunks,
-    commanded::Commands,
     entry::{Entry, EntryContent},
     log::Log,
+    marks::Marks,
     recording::{Recording, Sample, SampleSet},
 };
 
@@ -26,12 +25,8 @@ pub(crate) struct KeptReader {
     entries: Range<u64>,
     samples: [(SampleSet, Range<u64>); 2],
     states: Range<u64>,
-    /// The last commands of the motors in the sequence.
-    commands: Commands,
-    /// The model of the line at this place of the sequence.
-    model: Model,
-    /// The model by the records until here.
-    model_in_records: Model,
+    /// What the records until here say of the model, and of motors without requests.
+    marks: Marks,
     /// The time of the last entry of the line that was read.
     read_until: Option<Instant>,
     progress: Progress,
@@ -69,11 +64,8 @@ impl KeptReader {
             states: not_before(since, log.states().numbers(), |number| {
                 Some(log.states().get(number)?.at)
             }),
-            commands: Commands::new(),
-            // A sample does not say of which model it is. A line seldom gets another model.
-            model: (log.entries().get(entries.start)).map_or(log.model(), |entry| entry.model),
+            marks: Marks::default(),
             entries,
-            model_in_records: Model::default(),
             read_until: None,
             progress: Progress::default(),
         };
@@ -144,8 +136,8 @@ impl KeptReader {
 
     fn entry(&mut self, entry: &Entry, log: &Log, out: &mut Vec<KeptRecord>) {
         let at = entry.at;
-        self.model = entry.model;
-        self.push_model(at, out);
+        let model = self.marks.model(at, entry.model);
+        out.extend(model.map(KeptRecord::Line));
         out.push(match entry.content {
             EntryContent::Line(kind) => {
                 self.read_until = Some(at);
@@ -163,20 +155,14 @@ impl KeptReader {
         if self.is_entry(sample.at, log) {
             return;
         }
-        self.push_model(sample.at, out);
         let Sample {
             at, frame, asked, ..
         } = sample;
-        if let Some(LineEvent {
-            kind: LineEventKind::Sent { frame, mode },
-            ..
-        }) = self.commands.mark(sample.address(), at, sample.commanded)
-        {
-            let kind = LineEventKind::Commanded { frame, mode };
-            out.push(KeptRecord::Line(LineEvent { at, kind }));
-        }
-        let kind = LineEventKind::Reading { frame, asked };
-        out.push(KeptRecord::Line(LineEvent { at, kind }));
+        let model = self.marks.model(at, sample.model);
+        let marks = model.into_iter().chain(self.marks.sample(&sample));
+        let kind = LineEventKind::Received { frame, asked };
+        let records = marks.chain([LineEvent { at, kind }]);
+        out.extend(records.map(KeptRecord::Line));
     }
 
     /// Whether the sample of this time repeats an entry that was read, or that will be read. The log drops entries while
@@ -185,16 +171,7 @@ impl KeptReader {
         let was_read = self.read_until.is_some_and(|until| at <= until);
         let oldest = log.entries().oldest();
         let will_be_read = oldest.is_some_and(|oldest| at >= oldest.at);
-        (was_read || will_be_read) && !self.model.has_separate_frames()
-    }
-
-    /// Adds the model of the line, if the records before have another one.
-    fn push_model(&mut self, at: Instant, out: &mut Vec<KeptRecord>) {
-        if self.model != self.model_in_records {
-            self.model_in_records = self.model;
-            let kind = LineEventKind::ModelSelected(self.model);
-            out.push(KeptRecord::Line(LineEvent { at, kind }));
-        }
+        was_read || will_be_read
     }
 }
 

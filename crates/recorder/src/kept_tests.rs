@@ -4,7 +4,7 @@ use motorlink_messages::{
     recorder::ToRecorder,
     sessions::{Kept, NotSaved},
 };
-use motorlink_protocol::Layout;
+use motorlink_protocol::{Frame, Layout, Mode, MotorId, family::Model};
 
 use super::*;
 use crate::{recorder::Recorder, saved::Summary, wall_clock::WallClock};
@@ -32,16 +32,6 @@ fn received(millis: u64) -> LineEvent {
         at: at(millis),
         kind: LineEventKind::Received { frame, asked },
     }
-}
-
-fn reading(millis: u64) -> KeptRecord {
-    let LineEventKind::Received { frame, asked } = received(0).kind else {
-        panic!("a reply")
-    };
-    KeptRecord::Line(LineEvent {
-        at: at(millis),
-        kind: LineEventKind::Reading { frame, asked },
-    })
 }
 
 fn recorder(log: u64) -> Recorder {
@@ -143,41 +133,72 @@ fn samples_from_before_the_log_come_first() {
     ] {
         recorder.add_event(&event);
     }
-    let records = kept(&mut recorder, 2);
-    let [KeptRecord::Line(command), first, second, query, reply] = &records[..] else {
-        panic!("{records:?}")
+    let known = LineEvent {
+        at: at(2),
+        kind: LineEventKind::Known {
+            id: MotorId::FIRST,
+            mode: Mode::Velocity,
+            value: Some([0, 0x64]),
+        },
     };
-    let LineEventKind::Commanded { mode, .. } = command.kind else {
-        panic!("{command:?}")
-    };
-    assert_eq!(mode, Some(motorlink_protocol::Mode::Velocity));
-    assert_eq!([first, second], [&reading(2), &reading(2)]);
-    assert_eq!(*query, KeptRecord::Line(sent(3, QUERY)));
-    assert_eq!(*reply, KeptRecord::Line(received(4)));
+    let expected = [known, received(2), received(2), sent(3, QUERY), received(4)];
+    assert_eq!(kept(&mut recorder, 2), expected.map(KeptRecord::Line));
 }
 
 #[test]
-fn separate_frames_are_kept_with_their_readings_and_their_model() {
-    let mut recorder = recorder(1_000);
-    let KeptRecord::Line(reading) = reading(4) else {
-        panic!("a reading")
+fn separate_frames_from_before_the_log_come_with_their_model_and_their_loop() {
+    let of = |millis, bytes| LineEvent {
+        at: at(millis),
+        kind: LineEventKind::Received {
+            frame: Frame::with_crc(bytes),
+            asked: None,
+        },
     };
-    let begins = LineEvent {
-        at: at(1),
-        kind: LineEventKind::ModelSelected(Model::Ddsm210),
+    let begins = |millis| LineEvent {
+        at: at(millis),
+        kind: LineEventKind::ModelSelected(Model::Ddsm400),
     };
-    for event in [begins, sent(3, QUERY), received(4), reading] {
+    let drive = |millis| LineEvent {
+        at: at(millis),
+        kind: LineEventKind::Sent {
+            frame: Frame::with_crc([1, 0x64, 1, 0xF4, 0, 0, 0, 0, 0]),
+            mode: Some(Mode::OpenLoop),
+        },
+    };
+    let odometry = |millis| of(millis, [1, 0x75, 0, 0, 0, 7, 0x40, 0, 0]);
+    let driven = |millis| of(millis, [1, 0x65, 1, 0xF4, 0, 8, 0, 31, 0]);
+    let names_loop = of(1, [1, 0x76, 0, 0, 0, 0, 0, 0, 0]);
+    let known = |millis, value| LineEvent {
+        at: at(millis),
+        kind: LineEventKind::Known {
+            id: MotorId::FIRST,
+            mode: Mode::OpenLoop,
+            value,
+        },
+    };
+    let mut recorder = recorder(2);
+    recorder.handle(ToRecorder::Record(true));
+    let events = [begins(0), names_loop, odometry(2), drive(3), driven(4)];
+    let more = [driven(900), driven(1_100), drive(1_200), driven(1_300)];
+    for event in events.into_iter().chain(more) {
         recorder.add_event(&event);
     }
-    let begins = LineEvent {
-        at: at(3),
-        ..begins
-    };
-    let expected = [begins, sent(3, QUERY), received(4), reading];
+    let value = Some([1, 0xF4]);
+    let expected = [
+        begins(2),
+        known(2, None),
+        odometry(2),
+        known(4, value),
+        driven(4),
+        driven(900),
+        // For a reader that begins here.
+        known(1_100, value),
+        driven(1_100),
+        drive(1_200),
+        driven(1_300),
+    ];
     let records = kept(&mut recorder, 1);
-    // The raw reply would be no sample of such a model; here it makes one more.
-    assert_eq!(records[..3], expected.map(KeptRecord::Line)[..3]);
-    assert!(records[3..].contains(&KeptRecord::Line(reading)));
+    assert_eq!(records, expected.map(KeptRecord::Line));
 }
 
 #[test]
@@ -203,7 +224,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
 }
 
 #[test]
-fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_as_a_reading() {
+fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_from_the_recording() {
     let reply = |millis| KeptRecord::Line(received(millis));
     for read_before in 0..6 {
         let mut recorder = recorder(4);
@@ -220,43 +241,28 @@ fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_as_a_reading() {
         assert_eq!(records.len(), 6, "{read_before}: {records:?}");
         // The log began at 3 and begins at 5 now.
         for (record, millis) in records.iter().zip(1..) {
-            assert!(
-                [reading(millis), reply(millis)].contains(record),
-                "{read_before}: {records:?}"
-            );
+            assert_eq!(*record, reply(millis), "{read_before}: {records:?}");
         }
         assert_eq!(records[4..], [reply(5), reply(6)]);
     }
 }
 
 #[test]
-fn samples_from_before_the_log_have_the_model_of_its_oldest_entry() {
-    let begins = |millis| {
-        KeptRecord::Line(LineEvent {
-            at: at(millis),
-            kind: LineEventKind::ModelSelected(Model::Ddsm315),
-        })
+fn samples_from_before_the_log_have_their_model() {
+    let begins = |millis| LineEvent {
+        at: at(millis),
+        kind: LineEventKind::ModelSelected(Model::Ddsm315),
     };
-    let LineEvent { kind, .. } = received(0);
     let mut recorder = recorder(2);
     recorder.handle(ToRecorder::Record(true));
-    let KeptRecord::Line(selected) = begins(0) else {
-        panic!("an event")
-    };
-    recorder.add_event(&selected);
-    (1..=4).for_each(|millis| {
-        recorder.add_event(&LineEvent {
-            at: at(millis),
-            kind,
-        });
-    });
-    let entries = [3, 4].map(|millis| KeptRecord::Line(received(millis)));
-    let expected = [vec![begins(1), reading(1), reading(2)], entries.to_vec()].concat();
+    recorder.add_event(&begins(0));
+    (1..=4).for_each(|millis| recorder.add_event(&received(millis)));
+    let replies = (1..=4).map(received);
+    let expected: Vec<_> = [begins(1)].into_iter().chain(replies).collect();
+    let expected: Vec<_> = expected.into_iter().map(KeptRecord::Line).collect();
     assert_eq!(kept(&mut recorder, 1), expected);
     recorder.handle(ToRecorder::Clear);
-    let readings: Vec<_> = kept(&mut recorder, 1);
-    assert_eq!(readings[..3], expected[..3]);
-    assert_eq!(readings.len(), 5);
+    assert_eq!(kept(&mut recorder, 1), expected);
 }
 
 #[test]

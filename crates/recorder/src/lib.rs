@@ -15,6 +15,7 @@
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
 //! | `states` | what the page showed |
 //! | `commanded` | what each motor was told |
+//! | `marks` | what is known of a motor, between samples that are kept alone |
 //! | `saved` | the saved session: its files, how they are written and read |
 //! | `kept` | everything that is kept, as one sequence for a session file |
 //! | `restoring` | restores a saved session in slices |
@@ -31,6 +32,7 @@ mod entry;
 mod kept;
 mod local_time;
 mod log;
+mod marks;
 mod meaning;
 mod recorder;
 mod recording;
@@ -44,7 +46,7 @@ mod view;
 mod wall_clock;
 
 pub use charset::{Charset, spelled_out};
-pub use csv_file::{CsvFile, CsvLines, REPLY, unmarked};
+pub use csv_file::{CsvFile, CsvLines, REPLY, mode_cell, unmarked};
 pub use local_time::LocalTime;
 pub use log::{ENTRIES_MAX, Log};
 pub use recorder::{Output, Recorder};

@@ -220,11 +220,6 @@ impl Log {
         self.filter(filter);
     }
 
-    /// The model of the line.
-    pub(crate) const fn model(&self) -> Model {
-        self.model
-    }
-
     /// The maximal number of entries.
     pub(crate) const fn capacity(&self) -> u64 {
         self.capacity

@@ -38,9 +38,7 @@ fn translated(model: Model, passed: &LineEventKind) -> String {
         | LineEventKind::RepeatedByHand { frame, mode } => family_terms::sent(model, frame, *mode),
         LineEventKind::Received { frame, asked } => family_terms::received(model, frame, *asked),
         // No entries.
-        LineEventKind::Commanded { .. }
-        | LineEventKind::Reading { .. }
-        | LineEventKind::ModelSelected(_) => String::new(),
+        LineEventKind::Known { .. } | LineEventKind::ModelSelected(_) => String::new(),
         LineEventKind::Junk(junk) => match frame_of(junk) {
             Some(frame) if Request::set_id_of(&frame).is_some() => {
                 let what = family_terms::sent(model, &frame, None);
@@ -100,11 +98,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             write!(out, "{}", explain_received(frame, *asked))
         }
         // No entries.
-        EntryContent::Line(
-            LineEventKind::Commanded { .. }
-            | LineEventKind::Reading { .. }
-            | LineEventKind::ModelSelected(_),
-        ) => Ok(()),
+        EntryContent::Line(LineEventKind::Known { .. } | LineEventKind::ModelSelected(_)) => Ok(()),
         EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),
         EntryContent::Line(LineEventKind::Silence { waited_us, .. }) => {
             out.push_str("no reply within ");

@@ -16,7 +16,7 @@ use crate::{
     kept::KeptReader,
     local_time::LocalTime,
     log::Log,
-    recording::Recording,
+    recording::{Recording, Sample},
     restoring::{Need, Past, Restoring},
     saved::{Segment, SessionWriter, StoreAction, Stream, Summary, Timeline},
     states::State,
@@ -164,7 +164,8 @@ impl Recorder {
         let recorded = self.recording.add(&placed);
         if let Some(writer) = &mut self.writer {
             if let Some(sample) = recorded {
-                writer.mark(traffic, sample.commanded);
+                let at = traffic.at;
+                writer.mark(&Sample { at, ..sample });
             }
             writer.add_event(traffic, recorded.is_some());
         }

@@ -2,9 +2,12 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_bus::{LineEvent, LineEventKind, LineSamples, reported_current};
 use motorlink_messages::recorder::RecordingStatus;
-use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, Reply};
+use motorlink_protocol::{
+    FRAME_AIRTIME, Frame, Instant, Layout, Mode, Reply,
+    family::{Current, Model},
+};
 
 use crate::{
     chunks::Chunks,
@@ -22,13 +25,16 @@ pub const ROLLING_MAX: u64 =
 /// The maximal number of recorded samples: two hours at 500 Hz, in 96 MB.
 pub const RECORDED_MAX: u64 = 4_000_000;
 
-/// One reply.
+/// One reply, as it was on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sample {
     pub(crate) at: Instant,
     pub(crate) frame: Frame,
-    /// What its bytes 6 and 7 mean; `None` if that is uncertain.
+    /// What bytes 6 and 7 of a combined frame mean; `None` if that is uncertain.
     pub(crate) asked: Option<Layout>,
+    pub(crate) model: Model,
+    /// The loop of the motor, which separate frames do not name.
+    pub(crate) mode: Mode,
     /// What the motor was told before it; `None` without a command.
     pub(crate) commanded: Option<Commanded>,
 }
@@ -36,35 +42,69 @@ pub(crate) struct Sample {
 const _: () = assert!(size_of::<Sample>() == 24);
 
 impl Sample {
-    /// The sample of a line event, if it is a valid reply, without the command before it.
-    #[inline(never)]
-    pub(crate) fn of(traffic: &LineEvent) -> Option<Self> {
-        let (LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked }) =
-            traffic.kind
-        else {
-            return None;
-        };
-        Reply::decode(&frame, asked).ok()?;
-        Some(Self {
-            at: traffic.at,
-            frame,
-            asked,
-            commanded: None,
-        })
-    }
-
-    /// The same with the command that was sent before it. Takes the event into the commands.
-    pub(crate) fn after(commands: &mut Commands, traffic: &LineEvent) -> Option<Self> {
-        commands.add_event(traffic);
-        let mut sample = Self::of(traffic)?;
-        sample.commanded = commands.at(sample.address(), sample.at);
-        Some(sample)
-    }
-
     /// The motor's ID.
     pub(crate) const fn address(&self) -> u8 {
         let [address, ..] = *self.frame.bytes();
         address
+    }
+
+    /// What it says, behind the samples that were read before.
+    pub(crate) fn read(&self, before: &mut LineSamples) -> Option<Reply> {
+        let read_in = (self.model, self.mode);
+        let sample = before.read(self.at, read_in, &self.frame, self.asked)?;
+        Some(sample.reply)
+    }
+
+    /// Its current as the motor reports it.
+    pub(crate) fn current(&self) -> Option<Current> {
+        reported_current(self.model, &self.frame)
+    }
+
+    /// Its current, if it is certain how many amps that is.
+    pub(crate) fn certain_current(&self) -> Option<Current> {
+        self.current()
+            .filter(|current| current.scale().is_certain())
+    }
+}
+
+/// Follows a line by its events.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    samples: LineSamples,
+    commands: Commands,
+}
+
+impl Line {
+    pub(crate) const fn new() -> Self {
+        Self {
+            samples: LineSamples::of(Model::Ddsm115),
+            commands: Commands::new(),
+        }
+    }
+
+    /// The model of the line.
+    pub(crate) const fn model(&self) -> Model {
+        self.samples.model()
+    }
+
+    /// Takes the next event. Returns the sample of a reply with the command that was sent before it, and what it says.
+    #[inline(never)]
+    pub(crate) fn add_event(&mut self, traffic: &LineEvent) -> Option<(Sample, Reply)> {
+        self.commands.add_event(self.model(), traffic);
+        let reply = self.samples.add_event(traffic)?.reply;
+        let LineEventKind::Received { frame, asked } = traffic.kind else {
+            return None;
+        };
+        let at = traffic.at;
+        let sample = Sample {
+            at,
+            frame,
+            asked,
+            model: self.model(),
+            mode: reply.mode,
+            commanded: self.commands.at(reply.id.get(), at),
+        };
+        Some((sample, reply))
     }
 }
 
@@ -100,10 +140,10 @@ pub struct Recording {
     recorded_for: Duration,
     /// The number after the newest exported sample.
     exported_until: u64,
-    /// The commands of all motors.
-    commands: Commands,
-    /// Those of a saved recording that is being restored.
-    marks: Commands,
+    /// What its events say.
+    line: Line,
+    /// What those of a saved recording say that is being restored.
+    marks: Line,
 }
 
 impl Default for Recording {
@@ -123,8 +163,8 @@ impl Recording {
             state: State::Off,
             recorded_for: Duration::ZERO,
             exported_until: 0,
-            commands: Commands::new(),
-            marks: Commands::new(),
+            line: Line::new(),
+            marks: Line::new(),
         }
     }
 
@@ -135,29 +175,28 @@ impl Recording {
 
     /// The same. Returns the sample if it was recorded.
     pub(crate) fn add(&mut self, traffic: &LineEvent) -> Option<Sample> {
-        let sample = Sample::after(&mut self.commands, traffic)?;
+        let (sample, _) = self.line.add_event(traffic)?;
         self.roll_sample(sample);
         self.record_sample(sample).then_some(sample)
     }
 
     /// The same, but adds only to the rolling samples.
     pub(crate) fn roll(&mut self, traffic: &LineEvent) {
-        if let Some(sample) = Sample::after(&mut self.commands, traffic) {
+        if let Some((sample, _)) = self.line.add_event(traffic) {
             self.roll_sample(sample);
         }
     }
 
-    /// Begins a batch of a saved recording. Each batch repeats the commands in force, so that it can be read alone.
+    /// Begins a batch of a saved recording. Each batch repeats its marks, so that it can be read alone.
     pub(crate) fn begin_batch(&mut self) {
-        self.marks.clear();
+        self.marks = Line::new();
     }
 
-    /// Adds a line event of a saved recording: a sample to the recorded ones, or the mark before it, which has its
-    /// command.
+    /// Adds a line event of a saved recording: a sample to the recorded ones, or a mark before it.
     pub(crate) fn record_again(&mut self, traffic: &LineEvent) {
-        self.marks.add_event(traffic);
-        if let Some(mut sample) = Sample::of(traffic) {
-            sample.commanded = self.marks.marked(sample.address());
+        if let Some((mut sample, _)) = self.marks.add_event(traffic) {
+            // However long ago: the next mark says when it ends.
+            sample.commanded = self.marks.commands.marked(sample.address());
             self.record_sample(sample);
         }
     }
@@ -247,11 +286,10 @@ impl Recording {
     /// At most this many rolling samples before this number, oldest first.
     pub(crate) fn rolling_before(&self, until: u64, most: u16) -> Vec<motorlink_bus::Sample> {
         let from = until.saturating_sub(most.into()).max(self.rolling.first());
+        let mut before = LineSamples::default();
         let samples = (from..until).filter_map(|number| {
-            let Sample {
-                at, frame, asked, ..
-            } = self.rolling.get(number)?;
-            let reply = Reply::decode(&frame, asked).ok()?;
+            let sample = self.rolling.get(number)?;
+            let (at, reply) = (sample.at, sample.read(&mut before)?);
             Some(motorlink_bus::Sample { at, reply })
         });
         samples.collect()
@@ -305,8 +343,8 @@ impl Recording {
         if other.is_exported() && own == 0 {
             self.all_exported();
         }
-        self.commands = other.commands.clone();
-        self.commands.set_clock(&mut at);
+        self.line = other.line.clone();
+        self.line.commands.set_clock(&mut at);
         self.recorded_for += other.recorded_for;
         self.state = match other.state {
             _ if self.recorded.len() >= self.recorded_max => State::Full,

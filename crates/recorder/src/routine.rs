@@ -98,8 +98,7 @@ impl Routine {
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }
             | LineEventKind::NotSent { .. }
-            | LineEventKind::Commanded { .. }
-            | LineEventKind::Reading { .. }
+            | LineEventKind::Known { .. }
             | LineEventKind::ModelSelected(_) => false,
         }
     }

@@ -238,14 +238,14 @@ fn a_file_for_plotting_has_commanded_beside_measured_values() {
         at(1_531, heard(asked, None)),
     ];
     let expected = "\
-time,motor_1_unmirrored_speed_rpm,motor_1_unmirrored_current_a,motor_1_unmirrored_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_unmirrored_setpoint,motor_1_setpoint_mode,\
-motor_7_unmirrored_speed_rpm,motor_7_unmirrored_current_a,motor_7_unmirrored_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_unmirrored_setpoint,motor_7_setpoint_mode\r
-0.000000,,,,,,,,,100,0.002,125.6,33,2,0,,\r
-0.004000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
-0.010000,-100,-0.250,66.96,,1,8,,,,,,,,,,\r
-0.020000,-100,-0.250,66.96,,1,8,-0.250,1,,,,,,,,\r
-0.030000,-100,-0.250,66.96,,3,8,90.00,3,,,,,,,,\r
-1.529000,,,,,,,,,100,0.002,,,2,0,,\r
+time,motor_1_unmirrored_speed_rpm,motor_1_unmirrored_current_a,motor_1_unmirrored_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_unmirrored_setpoint,motor_1_setpoint_mode,motor_1_unmirrored_current_raw,\
+motor_7_unmirrored_speed_rpm,motor_7_unmirrored_current_a,motor_7_unmirrored_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_unmirrored_setpoint,motor_7_setpoint_mode,motor_7_unmirrored_current_raw\r
+0.000000,,,,,,,,,,100,0.002,125.6,33,2,0,,,10\r
+0.004000,,,,,,,,,,100,0.002,125.6,33,2,0,-100,2,10\r
+0.010000,-100,-0.250,66.96,,1,8,,,-1024,,,,,,,,,\r
+0.020000,-100,-0.250,66.96,,1,8,-0.250,1,-1024,,,,,,,,,\r
+0.030000,-100,-0.250,66.96,,3,8,90.00,3,-1024,,,,,,,,,\r
+1.529000,,,,,,,,,,100,0.002,,,2,0,,,10\r
 ";
     for slice in [1, 4, 1_000] {
         assert_eq!(plot_file(&traffic, slice), expected);

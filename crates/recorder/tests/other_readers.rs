@@ -128,9 +128,9 @@ const TELEMETRY: &str = r#"["timestamp", "motor_id", "mode", "speed_rpm", "curre
 ["2026-11-21T13:15:36.964Z", 1, "Velocity", 100, 0.002, 33, 125.6, "0x00", "OK", "01 02 00 0A 00 64 21 59 00 89"]
 ["2026-11-21T13:15:36.968Z", 1, "Velocity", -100, -0.250, null, 66.96, "0x12", "bus overcurrent | over-temperature", "01 02 FC 00 FF 9C 17 CF 12 E4"]"#;
 
-const PLOT: &str = r#"["time", "motor_1_unmirrored_speed_rpm", "motor_1_unmirrored_current_a", "motor_1_unmirrored_position_deg", "motor_1_temperature_c", "motor_1_mode", "motor_1_fault_code", "motor_1_unmirrored_setpoint", "motor_1_setpoint_mode"]
-[0.000000, 100, 0.002, 125.6, 33, 2, 0, null, null]
-[0.004000, -100, -0.250, 66.96, null, 2, 18, -100, 2]"#;
+const PLOT: &str = r#"["time", "motor_1_unmirrored_speed_rpm", "motor_1_unmirrored_current_a", "motor_1_unmirrored_position_deg", "motor_1_temperature_c", "motor_1_mode", "motor_1_fault_code", "motor_1_unmirrored_setpoint", "motor_1_setpoint_mode", "motor_1_unmirrored_current_raw"]
+[0.000000, 100, 0.002, 125.6, 33, 2, 0, null, null, 10]
+[0.004000, -100, -0.250, 66.96, null, 2, 18, -100, 2, -1024]"#;
 
 const FILES: [(&str, &str); 4] = [
     ("log", LOG),

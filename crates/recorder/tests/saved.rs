@@ -15,14 +15,14 @@ use motorlink_messages::{
     sessions::{Kept, KeptRecord},
     stored_state,
 };
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_protocol::{Frame, Instant, Mode, family::Model};
 use motorlink_recorder::{
     LocalTime, Output, Recorder, WallClock,
     saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream},
 };
 
 use fixture::{Disk, EPOCH_MS, LATER_MS, Page, restored, summary};
-use line::{at, reply};
+use line::{at, heard, reply};
 
 #[test]
 fn a_session_comes_back_as_it_was() {
@@ -37,7 +37,9 @@ fn a_session_comes_back_as_it_was() {
     let (log, telemetry) = (page.export(Export::Log), page.export(Export::Telemetry));
     let plot = page.export(Export::Plot);
     assert!(
-        plot.lines().skip(1).all(|line| line.ends_with(",50,2")),
+        plot.lines()
+            .skip(1)
+            .all(|line| line.rsplit(',').skip(1).take(2).eq(["2", "50"])),
         "{plot}"
     );
     let status = page.recording();
@@ -58,6 +60,44 @@ fn a_session_comes_back_as_it_was() {
     let again = page.recording();
     assert!(!again.recording && again.exported);
     assert_eq!(again.rolling, status.rolling);
+}
+
+/// Separate frames do not name their loop, and the recorded ones have no requests.
+#[test]
+fn recorded_separate_frames_come_back_in_their_loop() {
+    for (model, offset) in [(Model::Ddsm210, 0), (Model::Ddsm400, 1)] {
+        let received = |bytes| heard(Frame::with_crc(bytes), None);
+        let mut page = Page::opened(EPOCH_MS);
+        let begins = LineEventKind::ModelSelected(model);
+        page.recorder.add_event(&at(0, begins));
+        page.handle(ToRecorder::Record(true));
+        for (second, mode) in [Mode::OpenLoop, Mode::Position].into_iter().enumerate() {
+            let began = second as u64 * 1_000;
+            let named = received([1, 0x75 + offset, mode.byte(), 0, 0, 0, 0, 0, 0]);
+            page.recorder.add_event(&at(began, named));
+            for n in (began..began + 900).step_by(20) {
+                let frame = Frame::with_crc([1, 0x64, 1, 0xF4, 0, 0, 0, 0, 0]);
+                let mode = Some(mode);
+                let sent = LineEventKind::Sent { frame, mode };
+                page.recorder.add_event(&at(n, sent));
+                let driven = received([1, 0x64 + offset, 1, 0xF4, 0, 8, 0, 31, 2]);
+                page.recorder.add_event(&at(n + 2, driven));
+                let [high, low] = u16::try_from(n).unwrap().to_be_bytes();
+                let odometry = received([1, 0x74 + offset, 0, 0, 0, 7, high, low, 2]);
+                page.recorder.add_event(&at(n + 10, odometry));
+            }
+            page.pass(300);
+        }
+        let telemetry = page.export(Export::Telemetry);
+        let frame = Frame::with_crc([1, 0x64 + offset, 1, 0xF4, 0, 8, 0, 31, 2]);
+        assert!(telemetry.contains(&format!(",31,,0x02,overcurrent,{frame}")));
+        assert!(telemetry.contains(",1,Open loop,50,"), "{telemetry}");
+        assert!(telemetry.contains(",1,Position,,"), "{telemetry}");
+        let plot = page.export(Export::Plot);
+        let mut page = restored(&page.crash(), LATER_MS);
+        assert_eq!(page.export(Export::Telemetry), telemetry, "{model}");
+        assert_eq!(page.export(Export::Plot), plot, "{model}");
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_bus::{
     CommandRate, GroupSetpoints, Refusal, Sample, StopReason, WithdrawReason, Withheld,
 };
-use motorlink_protocol::{Frame, Instant, Mode, MotorId};
+use motorlink_protocol::{Instant, MotorId, Setpoint};
 use serde::{Deserialize, Serialize};
 
 /// From the host to the program.
@@ -15,14 +15,14 @@ pub enum Input {
     Tick,
     /// A motor has replied.
     Telemetry(Sample),
-    /// The port has taken a frame.
+    /// The port has taken a drive frame.
     Sent {
         /// When the port had taken it.
         at: Instant,
-        /// The bytes, in the units of the bus.
-        frame: Frame,
-        /// The loop in which the motor reads a drive frame.
-        mode: Option<Mode>,
+        /// The motor.
+        id: MotorId,
+        /// What it tells the motor.
+        setpoint: Setpoint,
     },
     /// A message of the page.
     Message {

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, Bus, BusSettings, Command, CommandRate, Consent, Event, GroupSetpoints, LineEvent,
-    LineEventKind, Refusal, StopReason, Withheld,
+    LineEventKind, Refusal, StopReason, Withheld, commanded_setpoint,
 };
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::exchange::{Act, Input, LineState, Output};
 
@@ -250,25 +250,24 @@ impl Host {
 
     /// The input that an event of the bus is for the run, if a run is there and the event concerns it.
     #[must_use]
-    pub fn input_of(&self, event: &Event, separate_frames: bool) -> Option<Input> {
+    pub fn input_of(&self, event: &Event, model: Model) -> Option<Input> {
         self.wake?;
         match event {
             Event::Telemetry(sample) => Some(Input::Telemetry(*sample)),
             Event::Withdrawn { id, reason } => Some(Input::Withdrawn(*id, *reason)),
             Event::StopBegan(reason) => Some(Input::StopBegan(*reason)),
-            Event::Line(LineEvent { at, kind }) => match *kind {
-                LineEventKind::Sent { frame, mode } if !separate_frames => Some(Input::Sent {
-                    at: *at,
-                    frame,
-                    mode,
-                }),
-                LineEventKind::Commanded { frame, mode } => Some(Input::Sent {
-                    at: *at,
-                    frame,
-                    mode,
-                }),
-                _ => None,
-            },
+            Event::Line(LineEvent {
+                at,
+                kind:
+                    LineEventKind::Sent {
+                        frame,
+                        mode: Some(mode),
+                    },
+            }) => {
+                let (id, setpoint) = commanded_setpoint(model, frame, *mode)?;
+                let at = *at;
+                Some(Input::Sent { at, id, setpoint })
+            }
             _ => None,
         }
     }

@@ -12,7 +12,7 @@ use motorlink_messages::{
     decode,
     runs::{FromRun, NotArmed, ToRun},
 };
-use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_protocol::{Detail, Instant, MotorId, Setpoint};
 
 use crate::{
     cause::cause,
@@ -70,7 +70,7 @@ impl Program {
         };
         match input {
             Input::Telemetry(sample) => run.runner.telemetry(run.telemetry(sample)),
-            Input::Sent { at, frame, mode } => run.sent(*at, frame, *mode),
+            Input::Sent { at, id, setpoint } => run.sent(*at, *id, *setpoint),
             _ => {
                 if let Some(cause) = cause(input, run.first()) {
                     run.runner.abort(now, cause);
@@ -255,16 +255,10 @@ impl Run {
         telemetry
     }
 
-    fn sent(&mut self, at: Instant, frame: &Frame, mode: Option<Mode>) {
-        if let (Ok(Request::Drive { id, drive }), Some(mode)) = (Request::parse(frame), mode)
-            && self
-                .runner
-                .plan()
-                .motors()
-                .iter()
-                .any(|motor| motor.id == id)
-        {
-            self.runner.sent(at, id, drive.setpoint(mode));
+    fn sent(&mut self, at: Instant, id: MotorId, setpoint: Setpoint) {
+        let mut motors = self.runner.plan().motors().iter();
+        if motors.any(|motor| motor.id == id) {
+            self.runner.sent(at, id, setpoint);
         }
     }
 

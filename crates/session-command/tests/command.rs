@@ -176,7 +176,7 @@ fn every_format_is_written() {
     );
     assert_eq!(plot.lines().count(), 21);
     let first = plot.lines().nth(1);
-    assert_eq!(first, Some("0.000000,100,0.175,66.96,,2,0,100,2"));
+    assert_eq!(first, Some("0.000000,100,0.175,66.96,,2,0,100,2,717"));
     let telemetry = fixture.prints(&["export", "run.mcap", "--format", "telemetry"]);
     assert!(
         telemetry.starts_with("timestamp,motor_id,mode,"),

@@ -56,7 +56,6 @@ mod replay;
 mod runs;
 mod writer;
 
-pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
 pub use copy::{BOOKMARK_TEXT_MAX, CopyStep, Copying, copy};
 pub use export::{About, Table, report};
 pub use import::Import;

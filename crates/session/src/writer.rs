@@ -102,6 +102,7 @@ impl Writer {
             self.flush();
             self.batch.set_model(model);
             self.overview.set_model(model);
+            self.motors.add_event(event);
             return;
         }
         if let Some(second) = self.meter.add_event(event) {
@@ -119,11 +120,9 @@ impl Writer {
     }
 
     fn reported(&mut self, at: Instant, reported: &Reported) {
-        if reported.is_due {
-            let mut json = self.spare.pop().unwrap_or_default();
-            reported.write(&mut json, at);
-            self.telemetry.push((reported.reply.id, at, json));
-        }
+        let mut json = self.spare.pop().unwrap_or_default();
+        reported.write(&mut json, at);
+        self.telemetry.push((reported.reply.id, at, json));
         if let Some(before) = reported.faults_changed {
             self.put_event(at, &faults_event(&reported.reply, before));
         }

@@ -207,14 +207,14 @@ fn tables_have_a_line_for_each_record() {
     let mut reader = csv::Reader::from_reader(&csv[..]);
     let head = reader.headers().unwrap().clone();
     assert_eq!(
-        (&head[0], &head[1], &head[9]),
+        (&head[0], &head[1], &head[10]),
         (
             "time",
             "motor_1_unmirrored_speed_rpm",
             "motor_7_unmirrored_speed_rpm"
         )
     );
-    assert_eq!(head.len(), 17);
+    assert_eq!(head.len(), 19);
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(
         rows.len(),
@@ -222,8 +222,8 @@ fn tables_have_a_line_for_each_record() {
         "a row for each reply; silence and junk have no value"
     );
     let cells = |row: usize| rows[row].iter().collect::<Vec<_>>().join(",");
-    assert_eq!(cells(0), "0.000000,0,0.000,0.00,,2,0,100,2,,,,,,,,");
-    assert_eq!(cells(1), "0.300000,,,,,,,,,1,0.009,10.89,,2,0,100,2");
+    assert_eq!(cells(0), "0.000000,0,0.000,0.00,,2,0,100,2,0,,,,,,,,,");
+    assert_eq!(cells(1), "0.300000,,,,,,,,,,1,0.009,10.89,,2,0,100,2,37");
 }
 
 #[test]

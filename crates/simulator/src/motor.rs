@@ -234,7 +234,7 @@ impl VirtualMotor {
         }
         let encoder = Encoder::read(self.wheel.turns());
         let detail = match layout.combined()? {
-            Layout::Drive | Layout::Temperature => Detail::Drive {
+            Layout::Drive => Detail::Drive {
                 position: self.config.drive_angle_stuck.unwrap_or(encoder.fine()),
             },
             Layout::Query => Detail::Query {

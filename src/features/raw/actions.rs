@@ -127,7 +127,7 @@ impl Raw {
         let id: MotorId = self.page.selected.get_untracked();
         let request = match reply_layout {
             Layout::Query => Request::Query { id },
-            Layout::Drive | Layout::Temperature => Request::IdQuery,
+            Layout::Drive => Request::IdQuery,
         };
         self.refused.set(None);
         self.text.set(request.frame().to_string());

@@ -4,7 +4,7 @@
 //! scale. Only here the units of a model matter.
 
 use motorlink_protocol::{
-    Current, Detail, Drive, Frame, Layout, Mode, Reply, Request, Rpm, Setpoint,
+    Current, Drive, Mode, Rpm, Setpoint,
     family::{self, Model, Speed},
 };
 
@@ -31,29 +31,15 @@ pub(crate) fn drive(model: Model, setpoint: Setpoint) -> Drive {
     }
 }
 
-/// A drive frame for this model as it would be for a DDSM115; `None` if it is not a drive frame.
-pub(crate) fn in_bus_units(model: Model, frame: &Frame, mode: Option<Mode>) -> Option<Frame> {
-    let Ok(Request::Drive { id, drive }) = Request::parse(frame) else {
-        return None;
-    };
+/// A drive frame of this model in the units of the bus, if the motor reads it in this loop.
+pub(crate) fn in_bus_units(model: Model, drive: Drive, mode: Mode) -> Drive {
     let raw = drive.signed();
     let value = match mode {
-        Some(Mode::Velocity) => speed(model.speed_of_raw(raw)).rpm().to_be_bytes(),
-        Some(Mode::Current) => current(model.current_of_raw(raw)).raw().to_be_bytes(),
-        Some(Mode::Position | Mode::OpenLoop) | None => drive.value,
+        Mode::Velocity => speed(model.speed_of_raw(raw)).rpm().to_be_bytes(),
+        Mode::Current => current(model.current_of_raw(raw)).raw().to_be_bytes(),
+        Mode::Position | Mode::OpenLoop => drive.value,
     };
-    let drive = Drive { value, ..drive };
-    Some(Request::Drive { id, drive }.frame())
-}
-
-/// A reply in separate frames as a DDSM115 would send it.
-pub(crate) fn as_combined(reply: Reply) -> (Frame, Option<Layout>) {
-    let asked = match reply.detail {
-        Detail::Odometry { .. } => Some(Layout::Drive),
-        Detail::Temperature(_) => Some(Layout::Temperature),
-        _ => None,
-    };
-    (reply.frame(), asked)
+    Drive { value, ..drive }
 }
 
 /// A reported current. It is an upper bound if its scale is not certain.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Layout, MotorId, Reply, family::Reading};
+use motorlink_protocol::{Frame, Instant, Layout, MotorId, family::Reading};
 
 use super::Observer;
 use crate::{
@@ -12,6 +12,7 @@ use crate::{
     other_bytes::count_line,
     raw::frame::addressee,
     receiver::{OtherBytes, ReceivedReply, reply_byte},
+    replies::as_reply,
     timing::earliest_reply,
 };
 
@@ -23,7 +24,6 @@ impl Observer {
         };
         let id = reading.id();
         let received = ReceivedReply { frame, reading };
-        let before = self.bus.events.len();
         match self.bus.line {
             Line::Busy(exchange) if self.answers(at, &exchange, &received, asked) => {
                 self.junk_before = 0;
@@ -51,27 +51,6 @@ impl Observer {
                 self.bus.evidence.own_reply(id);
                 self.take_reading(at, &reading, asked);
             }
-        }
-        if self.bus.events.len() > before && self.told_a_sample(before) {
-            self.repeated = Some((at, id));
-        }
-    }
-
-    /// A reading in units of the bus. Beside its frame on the line it says nothing new.
-    pub(super) fn reading(
-        &mut self,
-        at: Instant,
-        frame: &Frame,
-        asked: Option<Layout>,
-        repeated: Option<(Instant, MotorId)>,
-    ) {
-        let Ok(reply) = Reply::decode(frame, asked) else {
-            return;
-        };
-        if repeated != Some((at, reply.id)) {
-            self.hear(at, reply.id);
-            self.bus.evidence.own_reply(reply.id);
-            self.bus.record_reply(at, reply);
         }
     }
 
@@ -226,14 +205,10 @@ impl Observer {
     }
 
     fn take_reading(&mut self, at: Instant, reading: &Reading, asked: Option<Layout>) {
-        if let Reading::Combined(reply) = reading {
-            self.bus.record_reply(at, reply.in_layout(asked));
+        let motor = self.bus.motor_mut(reading.id());
+        if let Some(reply) = motor.and_then(|motor| as_reply(motor, at, Some(at), reading, asked)) {
+            self.bus.record_reply(at, reply);
         }
-    }
-
-    fn told_a_sample(&self, from: usize) -> bool {
-        let told = |event: &crate::event::Event| matches!(event, crate::event::Event::Telemetry(_));
-        self.bus.events.iter().skip(from).any(told)
     }
 }
 

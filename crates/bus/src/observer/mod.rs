@@ -50,8 +50,6 @@ pub struct Observer {
     junk: Option<(Instant, usize)>,
     /// Invalid bytes of the exchange in flight that were followed by a late reply.
     junk_before: usize,
-    /// The last frame on the line, if the event behind it repeats it in units of the bus.
-    repeated: Option<(Instant, MotorId)>,
 }
 
 /// When a motor last got frames.
@@ -79,7 +77,6 @@ impl Observer {
             has_requests: false,
             junk: None,
             junk_before: 0,
-            repeated: None,
         }
     }
 
@@ -89,15 +86,13 @@ impl Observer {
         let junk = self.junk.take();
         self.judge_junk(junk, event);
         self.advance(at);
-        let repeated = self.repeated.take();
         match event.kind {
             LineEventKind::Sent { frame, mode }
             | LineEventKind::SentByHand { frame, mode }
             | LineEventKind::RepeatedByHand { frame, mode } => self.sent(at, frame, mode),
             LineEventKind::NotSent { frame } => self.not_sent(at, frame),
-            LineEventKind::Commanded { frame, mode } => self.commanded(at, &frame, mode, repeated),
+            LineEventKind::Known { id, mode, value } => self.known(at, id, mode, value),
             LineEventKind::Received { frame, asked } => self.received(at, frame, asked),
-            LineEventKind::Reading { frame, asked } => self.reading(at, &frame, asked, repeated),
             LineEventKind::Junk(junk) => self.junk_received(at, junk.bytes().len()),
             LineEventKind::Silence { id, waited_us } => self.silence(at, id, waited_us),
             LineEventKind::ModelSelected(model) => *self = Self::new(at, model),

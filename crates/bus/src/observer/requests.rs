@@ -1,8 +1,7 @@
 //! Frames that were sent: what they show that the bus does with a motor.
 
 use motorlink_protocol::{
-    Drive, Frame, Instant, Mode, MotorId, Setpoint,
-    family::{Model, Request},
+    Acceleration, Drive, Frame, Instant, Mode, MotorId, Setpoint, family::Request,
 };
 
 use super::Observer;
@@ -76,9 +75,6 @@ impl Observer {
         let pending = self.pending(at, frame, mode);
         self.bus.pending_transmit = Some(pending);
         self.bus.commit_transmit();
-        if let Ok(Request::Drive { id, .. }) = Request::parse(self.bus.model, &frame) {
-            self.repeated = Some((at, id));
-        }
         self.forget_those_not_asked(at);
     }
 
@@ -100,22 +96,39 @@ impl Observer {
         self.bus.job_retry = None;
     }
 
-    /// A drive frame in units of the bus. Beside its frame on the line it says nothing new.
-    pub(super) fn commanded(
-        &mut self,
-        at: Instant,
-        frame: &Frame,
-        mode: Option<Mode>,
-        repeated: Option<(Instant, MotorId)>,
-    ) {
-        if let Ok(Request::Drive { id, drive }) = Request::parse(Model::Ddsm115, frame)
-            && repeated != Some((at, id))
+    /// What a recording knows of a motor whose requests it does not have.
+    pub(super) fn known(&mut self, at: Instant, id: MotorId, mode: Mode, value: Option<[u8; 2]>) {
+        self.hear(at, id);
+        let model = self.bus.model;
+        if let Some(motor) = self
+            .bus
+            .motor_mut(id)
+            .filter(|_| model.has_separate_frames())
+            && motor.separate.loop_known.last() != Some(mode)
         {
-            self.hear(at, id).drove = at;
-            let (control, _) = self.driven(at, id, drive, mode);
-            if let Some(motor) = self.bus.motor_mut(id) {
-                motor.control = control;
-            }
+            motor.separate.loop_known.reported(at, mode);
+        }
+        let Some(value) = value else { return };
+        let drive = Drive {
+            value,
+            acceleration: Acceleration::DEFAULT,
+            brake: 0,
+        };
+        self.hear(at, id).drove = at;
+        let drive = in_bus_units(model, drive, mode);
+        let (control, _) = self.driven(at, id, drive, Some(mode));
+        if let Some(motor) = self.bus.motor_mut(id) {
+            motor.control = control;
+        }
+    }
+
+    /// A motor with separate frames that has not named its loop since the records begin is in this one.
+    fn reads_in(&mut self, at: Instant, id: MotorId, mode: Mode) {
+        let separate = self.bus.model.has_separate_frames();
+        if let Some(motor) = self.bus.motor_mut(id).filter(|_| separate)
+            && motor.separate.loop_known.last().is_none()
+        {
+            motor.separate.loop_known.reported(at, mode);
         }
     }
 
@@ -141,7 +154,10 @@ impl Observer {
         let (control, sent) = match request {
             Ok(Request::Drive { drive, .. }) => {
                 self.hear(at, id).drove = at;
-                let drive = in_units(model, &frame, mode).unwrap_or(drive);
+                let drive = mode.map_or(drive, |mode| {
+                    self.reads_in(at, id, mode);
+                    in_bus_units(model, drive, mode)
+                });
                 let (control, sent) = self.driven(at, id, drive, mode);
                 let brakes = &mut self.hear(at, id).brakes;
                 if !drive.brakes() || !matches!(sent, Sent::Drive(_)) {
@@ -262,17 +278,6 @@ fn begin_stop(motor: &mut Motor, at: Instant) {
     if !matches!(motor.control, Control::Stopping(_)) {
         let (fresh, last) = motor.known_loop(at);
         motor.stops(Stopping::begin(at, fresh, last));
-    }
-}
-
-fn in_units(model: Model, frame: &Frame, mode: Option<Mode>) -> Option<Drive> {
-    if !model.has_separate_frames() {
-        return None;
-    }
-    let frame = in_bus_units(model, frame, mode)?;
-    match Request::parse(Model::Ddsm115, &frame) {
-        Ok(Request::Drive { drive, .. }) => Some(drive),
-        _ => None,
     }
 }
 

@@ -126,8 +126,7 @@ impl Wire {
                 LineEventKind::Junk(_)
                 | LineEventKind::ModelSelected(_)
                 | LineEventKind::Silence { .. }
-                | LineEventKind::Commanded { .. }
-                | LineEventKind::Reading { .. } => {}
+                | LineEventKind::Known { .. } => {}
             },
             Event::Telemetry(sample) => self.read.push(sample.reply),
             _ => {}

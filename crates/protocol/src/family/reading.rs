@@ -260,7 +260,7 @@ impl Layout {
 impl From<crate::Layout> for Layout {
     fn from(layout: crate::Layout) -> Self {
         match layout {
-            crate::Layout::Drive | crate::Layout::Temperature => Self::Drive,
+            crate::Layout::Drive => Self::Drive,
             crate::Layout::Query => Self::Query,
         }
     }

@@ -1,7 +1,7 @@
 //! Writes the same CSV files from single events, such as those of a session file.
 
-use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_bus::LineEvent;
+use motorlink_protocol::{Instant, MotorId};
 
 use super::{
     cells::Cells,
@@ -11,9 +11,8 @@ use super::{
 };
 use crate::{
     charset::Charset,
-    commanded::Commands,
     entry::{Entry, EntryContent, Visibility},
-    recording::Sample,
+    recording::Line,
     texts::Texts,
     wall_clock::WallClock,
 };
@@ -23,8 +22,7 @@ use crate::{
 pub struct CsvLines {
     columns: Columns,
     cells: Cells,
-    /// The model of the line.
-    model: Model,
+    line: Line,
 }
 
 #[derive(Debug)]
@@ -32,7 +30,7 @@ enum Columns {
     /// `None` before the first line.
     Log(Option<LogLines>, Charset),
     Telemetry(TelemetryLines),
-    Plot(PlotLines, Commands),
+    Plot(PlotLines),
 }
 
 impl CsvLines {
@@ -53,14 +51,14 @@ impl CsvLines {
     pub fn of_plot(motors: impl IntoIterator<Item = MotorId>) -> Self {
         let mut lines = PlotLines::default();
         motors.into_iter().for_each(|id| lines.add_motor(id.get()));
-        Self::new(Columns::Plot(lines, Commands::new()))
+        Self::new(Columns::Plot(lines))
     }
 
     fn new(columns: Columns) -> Self {
         Self {
             columns,
             cells: Cells::default(),
-            model: Model::default(),
+            line: Line::new(),
         }
     }
 
@@ -69,15 +67,13 @@ impl CsvLines {
         match &self.columns {
             Columns::Log(_, charset) => log_lines::push_head(&mut self.cells, out, *charset),
             Columns::Telemetry(_) => telemetry_lines::push_head(&mut self.cells, out),
-            Columns::Plot(lines, _) => lines.push_head(&mut self.cells, out),
+            Columns::Plot(lines) => lines.push_head(&mut self.cells, out),
         }
     }
 
     /// Adds the row of a line event, if it has one.
     pub fn event(&mut self, out: &mut Vec<u8>, event: &LineEvent, clock: WallClock) {
-        if let LineEventKind::ModelSelected(model) = event.kind {
-            self.model = model;
-        }
+        let read = self.line.add_event(event);
         match &mut self.columns {
             Columns::Log(..) if !event.kind.is_on_the_wire() => {}
             Columns::Log(..) => {
@@ -85,14 +81,14 @@ impl CsvLines {
                 self.entry(out, event.at, content, &Texts::default(), clock);
             }
             Columns::Telemetry(lines) => {
-                if let Some(sample) = Sample::of(event) {
-                    lines.write(&mut self.cells, &sample, clock);
+                if let Some((sample, reply)) = read {
+                    lines.write(&mut self.cells, &sample, &reply, clock);
                     self.cells.end_line(out);
                 }
             }
-            Columns::Plot(lines, commands) => {
-                if let Some(sample) = Sample::after(commands, event) {
-                    lines.write(&mut self.cells, &sample);
+            Columns::Plot(lines) => {
+                if let Some((sample, reply)) = read {
+                    lines.write(&mut self.cells, &sample, &reply);
                     self.cells.end_line(out);
                 }
             }
@@ -132,7 +128,7 @@ impl CsvLines {
         let entry = Entry {
             at,
             content,
-            model: self.model,
+            model: self.line.model(),
             routine: false,
             visibility: Visibility::Shown,
         };

@@ -18,12 +18,13 @@ mod telemetry_lines;
 
 use std::ops::Range;
 
+use motorlink_bus::LineSamples;
 use motorlink_messages::recorder::Export;
 
 use self::{
     cells::Cells, log_lines::LogLines, plot_lines::PlotLines, telemetry_lines::TelemetryLines,
 };
-pub use self::{cells::unmarked, lines::CsvLines, log_lines::REPLY};
+pub use self::{cells::unmarked, lines::CsvLines, log_lines::REPLY, telemetry_lines::mode_cell};
 use crate::{
     log::Log,
     recording::{Recording, SampleSet},
@@ -33,6 +34,8 @@ use crate::{
 #[derive(Debug)]
 pub struct CsvFile {
     lines: Lines,
+    /// The samples before the next one.
+    before: LineSamples,
     next: u64,
     until: u64,
     rows: u64,
@@ -95,6 +98,7 @@ impl CsvFile {
         }
         Self {
             lines,
+            before: LineSamples::default(),
             next: start,
             until: end,
             rows: 0,
@@ -127,7 +131,9 @@ impl CsvFile {
         };
         self.next = self.next.max(first).min(self.until);
         let until = self.until.min(self.next.saturating_add(lines));
-        let Self { cells, out, .. } = self;
+        let Self {
+            cells, out, before, ..
+        } = self;
         while self.next < until {
             match &mut self.lines {
                 Lines::Log(lines) => {
@@ -138,15 +144,19 @@ impl CsvFile {
                     }
                 }
                 Lines::Telemetry(which, lines) => {
-                    if let Some(sample) = recording.samples(*which).get(self.next) {
-                        lines.write(cells, &sample, clock);
+                    if let Some(sample) = recording.samples(*which).get(self.next)
+                        && let Some(reply) = sample.read(before)
+                    {
+                        lines.write(cells, &sample, &reply, clock);
                         cells.end_line(out);
                         self.rows += 1;
                     }
                 }
                 Lines::Plot(which, lines, _) => {
-                    if let Some(sample) = recording.samples(*which).get(self.next) {
-                        lines.write(cells, &sample);
+                    if let Some(sample) = recording.samples(*which).get(self.next)
+                        && let Some(reply) = sample.read(before)
+                    {
+                        lines.write(cells, &sample, &reply);
                         cells.end_line(out);
                         self.rows += 1;
                     }

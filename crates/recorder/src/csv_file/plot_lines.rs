@@ -4,30 +4,29 @@
 //! |---|---|
 //! | `time` | seconds since the first line, to the microsecond |
 //! | `motor_<id>_unmirrored_speed_rpm` | signed |
-//! | `motor_<id>_unmirrored_current_a` | signed, three decimals |
+//! | `motor_<id>_unmirrored_current_a` | as in `telemetry_lines` |
 //! | `motor_<id>_unmirrored_position_deg` | as in `telemetry_lines` |
-//! | `motor_<id>_temperature_c` | only in replies to a feedback query |
-//! | `motor_<id>_mode` | 1 current, 2 velocity, 3 position |
+//! | `motor_<id>_temperature_c` | as in `telemetry_lines` |
+//! | `motor_<id>_mode` | 0 open loop, 1 current, 2 velocity, 3 position |
 //! | `motor_<id>_fault_code` | byte 8 of the reply, as a decimal number |
-//! | `motor_<id>_unmirrored_setpoint` | what the motor was told: rpm, A or degrees, by its loop; empty without a command |
+//! | `motor_<id>_unmirrored_setpoint` | what the motor was told: rpm, A, degrees or the raw share of the supply, by its loop; empty without a command |
 //! | `motor_<id>_setpoint_mode` | the loop of that command, as in `mode` |
+//! | `motor_<id>_unmirrored_current_raw` | the current as the motor reports it |
 //!
 //! The cells of all other motors are empty. `unmirrored` is the sign of the motor itself: the page shows that of a mirrored
 //! motor reversed.
 
-use motorlink_protocol::{Detail, Instant, Reply, Rpm};
+use motorlink_bus::CommandedValue;
+use motorlink_protocol::{Detail, Instant, Reply};
 
 use super::{
     cells::Cells,
-    telemetry_lines::{push_amps, push_rpm, push_scaled},
+    telemetry_lines::{push_amps, push_rpm, push_scaled, push_signed},
 };
-use crate::{
-    commanded::CommandedValue, digits::push_decimal, recording::Sample,
-    wall_clock::push_seconds_to_us,
-};
+use crate::{digits::push_decimal, recording::Sample, wall_clock::push_seconds_to_us};
 
 /// The quantities of a motor, in the order of their columns.
-const QUANTITIES: [&str; 8] = [
+const QUANTITIES: [&str; 9] = [
     "unmirrored_speed_rpm",
     "unmirrored_current_a",
     "unmirrored_position_deg",
@@ -36,6 +35,7 @@ const QUANTITIES: [&str; 8] = [
     "fault_code",
     "unmirrored_setpoint",
     "setpoint_mode",
+    "unmirrored_current_raw",
 ];
 
 #[derive(Debug, Default)]
@@ -71,18 +71,17 @@ impl PlotLines {
     }
 
     #[inline(never)]
-    pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample) {
-        // Only replies are recorded.
-        let Ok(reply) = Reply::decode(&sample.frame, sample.asked) else {
-            return;
-        };
+    pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample, reply: &Reply) {
         let first_at = *self.first_at.get_or_insert(sample.at);
         let elapsed = sample.at.as_micros().saturating_sub(first_at.as_micros());
         cells.value(|out| push_seconds_to_us(out, elapsed));
         for motor in &self.motors {
             if *motor == sample.address() {
-                write_reply(cells, &reply);
+                write_reply(cells, sample, reply);
                 write_command(cells, sample);
+                cells.known(sample.current(), |out, current| {
+                    push_signed(out, current.raw());
+                });
             } else {
                 for _ in QUANTITIES {
                     cells.unknown();
@@ -92,9 +91,9 @@ impl PlotLines {
     }
 }
 
-fn write_reply(cells: &mut Cells, reply: &Reply) {
+fn write_reply(cells: &mut Cells, sample: &Sample, reply: &Reply) {
     cells.known(reply.speed, push_rpm);
-    cells.known(reply.current, push_amps);
+    cells.known(sample.certain_current(), push_amps);
     match reply.detail {
         Detail::Drive { position } | Detail::Odometry { position, .. } => {
             cells.value(|out| push_scaled(out, position.scaled()));
@@ -126,12 +125,12 @@ fn write_command(cells: &mut Cells, sample: &Sample) {
         cells.unknown();
         return;
     };
-    cells.value(|out| match commanded.value() {
+    cells.value(|out| match commanded.value(sample.model) {
         CommandedValue::Speed(speed) => push_rpm(out, speed),
         CommandedValue::Current(current) => push_amps(out, current),
         CommandedValue::Position(position) => push_scaled(out, position.scaled()),
         // The raw value.
-        CommandedValue::OpenLoop(target) => push_rpm(out, Rpm::new(target.raw())),
+        CommandedValue::OpenLoop(target) => push_signed(out, target.raw()),
     });
     cells.value(|out| push_decimal(out, commanded.mode.byte().into()));
 }

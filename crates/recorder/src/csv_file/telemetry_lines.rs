@@ -6,14 +6,14 @@
 //! | `motor_id` | 1-254 |
 //! | `mode` | `Open loop`, `Current`, `Velocity` or `Position` |
 //! | `speed_rpm` | signed |
-//! | `current_a` | signed, three decimals |
-//! | `temp_c` | only in replies to a feedback query |
-//! | `position_deg` | two decimals in replies to a drive frame, one decimal in replies to a query, by their resolution; empty if the request is uncertain |
+//! | `current_a` | signed, three decimals; empty if it is uncertain how many amps the reported number is |
+//! | `temp_c` | only in replies to a feedback query; of a DDSM210 and a DDSM400 in replies to a drive frame |
+//! | `position_deg` | two decimals in replies to a drive frame, one decimal in replies to a query, by their resolution; empty if the request is uncertain. Of a DDSM210 and a DDSM400 two decimals, in replies to a query |
 //! | `error_code` | byte 8, `0x00` |
 //! | `error_str` | `OK`, or names with <code> &#124; </code> between |
-//! | `raw_hex` | the ten bytes; of a DDSM210 and a DDSM400 the same values in a frame of a DDSM115, because samples have its units. The packet log has the bytes of the wire |
+//! | `raw_hex` | the ten bytes |
 
-use motorlink_protocol::{Current, Detail, Faults, Mode, Reply, Rpm, Scaled};
+use motorlink_protocol::{Detail, Faults, Mode, Reply, Rpm, Scaled, family::Current};
 
 use super::cells::Cells;
 use crate::{
@@ -41,27 +41,35 @@ pub(super) fn push_head(cells: &mut Cells, out: &mut Vec<u8>) {
     cells.end_line(out);
 }
 
+/// A loop in the column `mode`.
+#[must_use]
+pub const fn mode_cell(mode: Mode) -> &'static str {
+    match mode {
+        Mode::OpenLoop => "Open loop",
+        Mode::Current => "Current",
+        Mode::Velocity => "Velocity",
+        Mode::Position => "Position",
+    }
+}
+
 #[derive(Debug, Default)]
 pub(super) struct TelemetryLines {
     times: IsoWriter,
 }
 
 impl TelemetryLines {
-    pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample, clock: WallClock) {
-        // Only replies are recorded.
-        let Ok(reply) = Reply::decode(&sample.frame, sample.asked) else {
-            return;
-        };
+    pub(super) fn write(
+        &mut self,
+        cells: &mut Cells,
+        sample: &Sample,
+        reply: &Reply,
+        clock: WallClock,
+    ) {
         cells.value(|out| self.times.push(out, clock.utc(sample.at)));
         cells.value(|out| push_decimal(out, reply.id.get().into()));
-        cells.plain(match reply.mode {
-            Mode::OpenLoop => "Open loop",
-            Mode::Current => "Current",
-            Mode::Velocity => "Velocity",
-            Mode::Position => "Position",
-        });
+        cells.plain(mode_cell(reply.mode));
         cells.known(reply.speed, push_rpm);
-        cells.known(reply.current, push_amps);
+        cells.known(sample.certain_current(), push_amps);
         match reply.detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 cells.unknown();
@@ -91,14 +99,18 @@ impl TelemetryLines {
 
 #[inline(never)]
 pub(super) fn push_rpm(out: &mut String, speed: Rpm) {
-    push_minus(out, speed.rpm());
-    push_decimal(out, speed.magnitude().into());
+    push_signed(out, speed.rpm());
 }
 
 #[inline(never)]
 pub(super) fn push_amps(out: &mut String, current: Current) {
     push_minus(out, current.raw());
     push_scaled(out, current.scaled());
+}
+
+pub(super) fn push_signed(out: &mut String, value: i16) {
+    push_minus(out, value);
+    push_decimal(out, value.unsigned_abs().into());
 }
 
 /// The ASCII minus, which spreadsheets accept.

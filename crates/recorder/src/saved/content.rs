@@ -5,12 +5,14 @@ use motorlink_messages::recorder::traffic;
 use motorlink_protocol::Instant;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::block::push_block;
+use super::{before, block::push_block};
 
 const HEAD: u8 = 1;
-const TRAFFIC: u8 = 2;
+/// Of an earlier version: see [`before`].
+const TRAFFIC_BEFORE: u8 = 2;
 const NOTE: u8 = 3;
 const STATE: u8 = 4;
+const TRAFFIC: u8 = 5;
 
 /// The content of one block.
 #[derive(Debug)]
@@ -34,6 +36,7 @@ pub(super) struct Batch<'a> {
     /// The time of the last one.
     pub(super) last: Instant,
     bytes: &'a [u8],
+    is_from_before: bool,
 }
 
 /// Any other input.
@@ -57,7 +60,12 @@ pub(super) enum Note {
 
 impl<'a> Batch<'a> {
     pub(super) fn traffic(self) -> impl Iterator<Item = LineEvent> + use<'a> {
-        traffic(self.bytes)
+        let (now, before) = if self.is_from_before {
+            (&[][..], self.bytes)
+        } else {
+            (self.bytes, &[][..])
+        };
+        traffic(now).chain(before::traffic(before))
     }
 
     /// Without the marks between recorded samples.
@@ -72,9 +80,14 @@ impl<'a> Content<'a> {
     pub(super) fn read((kind, bytes): (u8, &'a [u8])) -> Option<Self> {
         Some(match kind {
             HEAD => Self::Epoch(whole(bytes)?),
-            TRAFFIC => {
+            TRAFFIC | TRAFFIC_BEFORE => {
                 let ((count, last), bytes) = postcard::take_from_bytes(bytes).ok()?;
-                Self::Traffic(Batch { count, last, bytes })
+                Self::Traffic(Batch {
+                    count,
+                    last,
+                    bytes,
+                    is_from_before: kind == TRAFFIC_BEFORE,
+                })
             }
             NOTE => Self::Note(whole(bytes)?),
             STATE => {

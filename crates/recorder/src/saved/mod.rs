@@ -7,12 +7,14 @@
 //! |---|---|
 //! | `block` | the unit of writing, with a checksum |
 //! | `content` | the content of a block |
+//! | `before` | the line events of earlier versions |
 //! | `writer` | decides when to write, and which files to remove |
 //! | `stream_writer` | the bytes to append, and to which file of its stream |
 //! | `summary` | the size and the period of a saved session |
 //! | `timeline` | the times of several runs on one clock |
 //! | `replay` | rebuilds a log and a recording |
 
+mod before;
 mod block;
 mod content;
 mod replay;

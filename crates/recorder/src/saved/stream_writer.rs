@@ -10,7 +10,7 @@ use super::{
     Segment, Stream,
     content::{Note, push_batch, push_epoch, push_note, push_state},
 };
-use crate::commanded::{Commanded, Commands};
+use crate::{marks::Marks, recording::Sample};
 
 /// Approximate bytes of one file: a full log loses this much per rotation.
 pub const SEGMENT_BYTES_MAX: usize = 2 << 20;
@@ -39,8 +39,8 @@ pub(super) struct StreamWriter {
     /// The model of the line, and before the blocks that are not written yet.
     model: Model,
     model_before: Model,
-    /// The commands that the next block contains. Each block repeats them: the block before may be damaged.
-    marks: Commands,
+    /// The marks that the next block contains. Each block repeats them: the block before may be damaged.
+    marks: Marks,
 }
 
 impl StreamWriter {
@@ -75,13 +75,10 @@ impl StreamWriter {
         }
     }
 
-    /// The mark counts as no event.
-    pub(super) fn mark(&mut self, sample: &LineEvent, commanded: Option<Commanded>) {
-        let LineEventKind::Received { frame, .. } = &sample.kind else {
-            return;
-        };
-        let [address, ..] = *frame.bytes();
-        if let Some(mark) = self.marks.mark(address, sample.at, commanded) {
+    /// A mark counts as no event.
+    pub(super) fn mark(&mut self, sample: &Sample) {
+        let model = self.marks.model(sample.at, sample.model);
+        for mark in model.into_iter().chain(self.marks.sample(sample)) {
             push_traffic(&mut self.batch, &mark);
         }
     }

@@ -6,7 +6,7 @@ use motorlink_bus::LineEvent;
 use motorlink_protocol::Instant;
 
 use super::{Segment, Stream, content::Note, stream_writer::StreamWriter};
-use crate::{commanded::Commanded, texts::cut};
+use crate::{recording::Sample, texts::cut};
 
 /// A crash may lose one second. Line events arrive 50 ms late, and a write takes milliseconds.
 const WRITE_WITHIN: Duration = Duration::from_millis(250);
@@ -74,9 +74,9 @@ impl SessionWriter {
         }
     }
 
-    /// Saves the command of the recorded sample that follows, where it differs from the one before.
-    pub(crate) fn mark(&mut self, sample: &LineEvent, commanded: Option<Commanded>) {
-        self.recorded.mark(sample, commanded);
+    /// Saves what is known at the recorded sample that follows, where it differs from the one before.
+    pub(crate) fn mark(&mut self, sample: &Sample) {
+        self.recorded.mark(sample);
     }
 
     /// Adds a message of the page.

@@ -202,8 +202,7 @@ impl Bench {
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
                 Output::Event(event) => {
                     self.stops_began += usize::from(matches!(event, Event::StopBegan(_)));
-                    let separate = bus.model().has_separate_frames();
-                    if let Some(input) = self.host.input_of(&event, separate) {
+                    if let Some(input) = self.host.input_of(&event, bus.model()) {
                         self.pass(input);
                     }
                 }

@@ -1,7 +1,7 @@
 //! `/link`: statistics of the bus per second, derived from `/wire`.
 
 use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Instant, MotorId, Reply, Request};
+use motorlink_protocol::{Instant, MotorId, Request};
 
 const SECOND_US: u64 = 1_000_000;
 
@@ -34,7 +34,7 @@ impl Meter {
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Second> {
         let number = event.at.as_micros() / SECOND_US;
         let ended = self.second.take_if(|second| second.number != number);
-        // Of a time of which only readings are left, nothing was counted.
+        let ended = ended.filter(Second::has_requests);
         if !event.kind.is_on_the_wire() {
             return ended;
         }
@@ -54,7 +54,8 @@ impl Meter {
             }
             LineEventKind::Received { frame, .. } => {
                 second.replies += 1;
-                let id = Reply::decode(&frame, None).ok().map(|reply| reply.id);
+                let [address, ..] = *frame.bytes();
+                let id = MotorId::new(address).ok();
                 let asked = self.asked.take_if(|(asked, _)| Some(*asked) == id);
                 if let Some((_, at)) = asked {
                     second.round_trip(event.at, at);
@@ -67,20 +68,23 @@ impl Meter {
                 self.asked = None;
             }
             LineEventKind::NotSent { .. } => second.not_sent += 1,
-            LineEventKind::Commanded { .. }
-            | LineEventKind::Reading { .. }
-            | LineEventKind::ModelSelected(_) => {}
+            LineEventKind::Known { .. } | LineEventKind::ModelSelected(_) => {}
         }
         ended
     }
 
     /// The current second, which has not ended.
     pub(crate) fn end(&mut self) -> Option<Second> {
-        self.second.take()
+        self.second.take().filter(Second::has_requests)
     }
 }
 
 impl Second {
+    /// Of a time of which only replies are left, what was asked and lost is not known.
+    const fn has_requests(&self) -> bool {
+        self.sent + self.lost + self.junk + self.not_sent > 0
+    }
+
     fn round_trip(&mut self, at: Instant, asked_at: Instant) {
         let took = at.as_micros().saturating_sub(asked_at.as_micros());
         let least = self.round_trip_min_us.min(took);
@@ -121,9 +125,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_second_with_readings_only_has_no_counts() {
+    fn a_second_with_replies_only_has_no_counts() {
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
-        let reading = LineEventKind::Reading { frame, asked: None };
+        let reading = LineEventKind::Received { frame, asked: None };
         let silence = LineEventKind::Silence {
             id: MotorId::FIRST,
             waited_us: 9_000,

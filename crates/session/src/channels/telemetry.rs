@@ -1,114 +1,127 @@
 //! `/motors/<id>/telemetry`: telemetry for programs that plot it.
 //!
-//! All of it is derived from `/wire`, which has every reply. At 500 replies a second these messages would take more
-//! space than the frames: each has 31 bytes and an index entry. So a file has at most [`PER_SECOND`] messages per
-//! second, motor and kind of reply, and one for every change of mode or faults.
+//! All of it is derived from `/wire`: one message for each reply that says something of the wheel.
 
-use std::{collections::BTreeMap, fmt::Write, time::Duration};
+use std::{collections::BTreeMap, fmt::Write};
 
-use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_bus::{CommandedValue, LineEvent, LineEventKind, LineSamples, reported_current};
 use motorlink_protocol::{
-    Detail, Drive, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Request, Scaled,
+    Acceleration, Detail, Drive, Faults, Instant, Mode, MotorId, Reply, Scaled,
+    family::{Current, Request},
 };
 use motorlink_recorder::digits::push_decimal;
 
 use super::{push_text, wire::mode_name};
 
-/// Maximal messages per second and motor, counted separately for replies to drive frames and to queries.
-pub const PER_SECOND: u32 = 50;
-
-const PERIOD: Duration = Duration::from_micros(1_000_000 / PER_SECOND as u64);
-
-/// Tolerance of the period: replies that come at exactly this rate with jitter are all written.
-const EARLY: Duration = Duration::from_micros(2_500);
-
 /// The state of every motor.
 #[derive(Debug, Default)]
-pub(crate) struct Motors(BTreeMap<MotorId, Motor>);
+pub(crate) struct Motors {
+    samples: LineSamples,
+    motors: BTreeMap<MotorId, Motor>,
+}
 
 #[derive(Debug, Default)]
 struct Motor {
-    drive: Option<(Drive, Option<Mode>)>,
-    replied: Option<(Instant, Reply)>,
+    setpoint: Option<Setpoint>,
+    replied: Option<Reply>,
     /// The time of the last angle, and its degrees.
     angle: Option<(Instant, f64)>,
     turned_deg: f64,
-    /// The time of the last message, by layout of the reply.
-    written: [Option<Instant>; 3],
+}
+
+/// What the last drive frame says, in the loop that it is read in.
+#[derive(Clone, Copy, Debug)]
+struct Setpoint {
+    value: CommandedValue,
+    brakes: bool,
 }
 
 /// A reply with the state that a plot needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reported {
     pub(crate) reply: Reply,
-    /// The last drive frame, and the loop that it was read in.
-    drive: Option<(Drive, Option<Mode>)>,
+    current: Option<Current>,
+    setpoint: Option<Setpoint>,
     turns: Option<f64>,
-    /// Whether a message is due: see [`PER_SECOND`].
-    pub(crate) is_due: bool,
     /// The previous faults, if they have changed.
     pub(crate) faults_changed: Option<Faults>,
 }
 
 impl Motors {
-    /// Takes an event of the bus. Returns the telemetry if it is a valid reply.
+    /// Takes an event of the bus. Returns the telemetry if it is a reply that says something of the wheel.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
+        let sample = self.samples.add_event(event);
         match event.kind {
             LineEventKind::Sent { frame, mode }
             | LineEventKind::SentByHand { frame, mode }
-            | LineEventKind::RepeatedByHand { frame, mode }
-            | LineEventKind::Commanded { frame, mode } => {
-                if let Ok(Request::Drive { id, drive }) = Request::parse(&frame) {
-                    self.0.entry(id).or_default().drive = Some((drive, mode));
+            | LineEventKind::RepeatedByHand { frame, mode } => {
+                if let Ok(Request::Drive { id, drive }) =
+                    Request::parse(self.samples.model(), &frame)
+                {
+                    // Without its loop, a value has no unit.
+                    self.commanded(id, drive, mode);
                 }
-                None
             }
-            LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked } => {
-                let reply = Reply::decode(&frame, asked).ok()?;
-                let motor = self.0.entry(reply.id).or_default();
-                Some(motor.reported(event.at, reply, asked))
+            LineEventKind::Known { id, mode, value } => {
+                let drive = |value| Drive {
+                    value,
+                    acceleration: Acceleration::DEFAULT,
+                    brake: 0,
+                };
+                let mode = value.map(|_| mode);
+                self.commanded(id, drive(value.unwrap_or_default()), mode);
+            }
+            LineEventKind::Received { frame, .. } => {
+                let reply = sample?.reply;
+                let current = reported_current(self.samples.model(), &frame);
+                let motor = self.motors.entry(reply.id).or_default();
+                return Some(motor.reported(event.at, reply, current));
             }
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }
             | LineEventKind::NotSent { .. }
-            | LineEventKind::ModelSelected(_) => None,
+            | LineEventKind::ModelSelected(_) => {}
         }
+        None
+    }
+
+    fn commanded(&mut self, id: MotorId, drive: Drive, mode: Option<Mode>) {
+        let model = self.samples.model();
+        self.motors.entry(id).or_default().setpoint = mode.map(|mode| Setpoint {
+            value: CommandedValue::of(model, drive, mode),
+            brakes: mode == Mode::Velocity && drive.brakes(),
+        });
     }
 }
 
 impl Motor {
-    fn reported(&mut self, at: Instant, reply: Reply, asked: Option<Layout>) -> Reported {
-        let before = self.replied.replace((at, reply)).map(|(_, reply)| reply);
-        if let Some(degrees) = degrees_of(&reply) {
-            // Without a speed it turned by the least of all rotations.
-            self.turn_to(
-                at,
-                degrees,
-                reply.speed.map_or(0.0, |speed| f64::from(speed.rpm())),
-            );
-        }
-        let changed =
-            before.is_none_or(|before| (before.mode, before.faults) != (reply.mode, reply.faults));
-        let [drive, query, unknown] = &mut self.written;
-        let written = match asked {
-            Some(Layout::Drive | Layout::Temperature) => drive,
-            Some(Layout::Query) => query,
-            None => unknown,
-        };
-        let waited =
-            written.is_none_or(|written| at < written || at.since(written) + EARLY >= PERIOD);
-        let is_due = waited || changed;
-        if is_due {
-            *written = Some(at);
-        }
+    fn reported(&mut self, at: Instant, reply: Reply, current: Option<Current>) -> Reported {
+        let before = self.replied.replace(reply);
         let faults_before = before.map_or(Faults::NONE, |before| before.faults);
+        let changed = faults_before.byte() != reply.faults.byte();
         Reported {
             reply,
-            drive: self.drive,
-            turns: self.angle.map(|_| self.turned_deg / 360.0),
-            is_due,
-            faults_changed: (faults_before != reply.faults).then_some(faults_before),
+            current,
+            setpoint: self.setpoint,
+            turns: self.turns(at, &reply),
+            faults_changed: changed.then_some(faults_before),
         }
+    }
+
+    /// The turns of the wheel at this reply: its own, or those since the first reply; `None` if it has no angle.
+    fn turns(&mut self, at: Instant, reply: &Reply) -> Option<f64> {
+        let degrees = match reply.detail {
+            Detail::Odometry { turns, position } => {
+                return Some(f64::from(turns) + f64::from(position.degrees()) / 360.0);
+            }
+            Detail::Drive { position } => position.degrees(),
+            Detail::Query { position, .. } => position.degrees(),
+            Detail::Temperature(_) | Detail::Undetermined(_) => return None,
+        };
+        // Without a speed it turned by the least of all rotations.
+        let rpm = reply.speed.map_or(0.0, |speed| f64::from(speed.rpm()));
+        self.turn_to(at, degrees.into(), rpm);
+        Some(self.turned_deg / 360.0)
     }
 
     /// Counts turns: of all rotations to the new angle, it selects the one that fits the speed. The reported angle
@@ -124,22 +137,11 @@ impl Motor {
     }
 }
 
-fn degrees_of(reply: &Reply) -> Option<f64> {
-    match reply.detail {
-        Detail::Drive { position } | Detail::Odometry { position, .. } => {
-            Some(position.degrees().into())
-        }
-        Detail::Query { position, .. } => Some(position.degrees().into()),
-        Detail::Temperature(_) | Detail::Undetermined(_) => None,
-    }
-}
-
 impl Reported {
     /// Writes the message. A value that the reply does not contain is left out, never repeated.
     pub(crate) fn write(&self, out: &mut String, at: Instant) {
         let Reply {
             mode,
-            current,
             speed,
             detail,
             faults,
@@ -152,9 +154,13 @@ impl Reported {
             out.push_str(",\"speed_rpm\":");
             push_signed(out, speed.rpm());
         }
-        if let Some(current) = current {
-            out.push_str(",\"current_a\":");
-            push_scaled(out, current.raw() < 0, current.scaled());
+        if let Some(current) = self.current {
+            if current.scale().is_certain() {
+                out.push_str(",\"current_a\":");
+                push_amps(out, current);
+            }
+            out.push_str(",\"current_raw\":");
+            push_signed(out, current.raw());
         }
         match detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
@@ -187,29 +193,23 @@ impl Reported {
         out.push_str(",\"faults\":[");
         push_faults(out, faults);
         out.push(']');
-        self.write_setpoint(out);
+        if let Some(setpoint) = self.setpoint {
+            setpoint.write(out);
+        }
         out.push('}');
     }
+}
 
-    /// The setpoint, where the loop is known in which the motor reads it.
-    fn write_setpoint(&self, out: &mut String) {
-        let Some((drive, Some(mode))) = self.drive else {
-            return;
-        };
+impl Setpoint {
+    fn write(self, out: &mut String) {
         out.push_str(",\"setpoint\":");
-        match mode {
-            Mode::Velocity | Mode::OpenLoop => push_signed(out, drive.signed()),
-            Mode::Current => {
-                let current = motorlink_protocol::Current::from_raw(drive.signed());
-                push_scaled(out, current.raw() < 0, current.scaled());
-            }
-            Mode::Position => {
-                let position = Position::from_raw(drive.unsigned());
-                push_scaled(out, false, position.scaled());
-            }
+        match self.value {
+            CommandedValue::Speed(speed) => push_signed(out, speed.rpm()),
+            CommandedValue::Current(current) => push_amps(out, current),
+            CommandedValue::Position(position) => push_scaled(out, false, position.scaled()),
+            CommandedValue::OpenLoop(target) => push_signed(out, target.raw()),
         }
-        let brakes = mode == Mode::Velocity && drive.brakes();
-        out.push_str(if brakes {
+        out.push_str(if self.brakes {
             ",\"brake\":true"
         } else {
             ",\"brake\":false"
@@ -222,6 +222,10 @@ fn push_signed(out: &mut String, value: i16) {
         out.push('-');
     }
     push_decimal(out, value.unsigned_abs().into());
+}
+
+fn push_amps(out: &mut String, current: Current) {
+    push_scaled(out, current.raw() < 0, current.scaled());
 }
 
 fn push_scaled<const DECIMALS: usize>(out: &mut String, negative: bool, value: Scaled<DECIMALS>) {
@@ -243,6 +247,8 @@ fn push_faults(out: &mut String, faults: Faults) {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_protocol::Layout;
+
     use super::*;
 
     fn event(at_ms: u64, kind: LineEventKind) -> LineEvent {
@@ -281,31 +287,17 @@ mod tests {
         let reported = motors
             .add_event(&event(2, reply(6095, 100, Layout::Drive)))
             .unwrap();
-        assert!(reported.is_due && reported.faults_changed.is_none());
+        assert!(reported.faults_changed.is_none());
         assert_eq!(
             text(&reported),
-            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"position_deg":66.96,"turns":0.0000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
+            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"current_raw":717,"position_deg":66.96,"turns":0.0000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
         );
         let reported = motors
             .add_event(&event(4, reply(0x1C00, -7, Layout::Query)))
             .unwrap();
         assert!(text(&reported).contains(
-            r#""speed_rpm":-7,"current_a":0.175,"position_deg":0.0,"temperature_c":28,"#
+            r#""speed_rpm":-7,"current_a":0.175,"current_raw":717,"position_deg":0.0,"temperature_c":28,"#
         ));
-    }
-
-    #[test]
-    fn fifty_of_five_hundred_replies_a_second_are_written() {
-        let mut motors = Motors::default();
-        let due = |motors: &mut Motors, n: u64| {
-            let reported = motors.add_event(&event(2 * n, reply(0, 1, Layout::Drive)));
-            reported.unwrap().is_due
-        };
-        let written = (0..500).filter(|n| due(&mut motors, *n)).count();
-        assert!((50..=56).contains(&written), "{written}");
-        let mut motors = Motors::default();
-        let at_fifty = (0..50).filter(|n| due(&mut motors, 10 * n)).count();
-        assert_eq!(at_fifty, 50, "a slow motor's replies are all written");
     }
 
     #[test]
@@ -323,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_faults_is_always_written() {
+    fn a_change_of_faults_is_noticed() {
         let mut motors = Motors::default();
         let good = motorlink_protocol::Frame::with_crc([1, 2, 0, 0, 0, 0, 0, 0, 0]);
         let stalled = motorlink_protocol::Frame::with_crc([1, 2, 0, 0, 0, 0, 0, 0, 8]);
@@ -332,11 +324,11 @@ mod tests {
             let kind = LineEventKind::Received { frame, asked };
             motors.add_event(&event(at, kind)).unwrap()
         };
-        assert!(pass(0, good).is_due);
+        assert!(pass(0, good).faults_changed.is_none());
         let reported = pass(1, stalled);
-        assert!(reported.is_due && reported.faults_changed == Some(Faults::NONE));
+        assert_eq!(reported.faults_changed, Some(Faults::NONE));
         assert!(text(&reported).contains(r#""fault_code":8,"faults":["stall"]"#));
-        assert!(!pass(2, stalled).is_due);
+        assert!(pass(2, stalled).faults_changed.is_none());
         assert!(pass(3, good).faults_changed.is_some());
     }
 }

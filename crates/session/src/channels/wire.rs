@@ -88,17 +88,11 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
             push_mode(out, *mode);
             hex = frame.bytes();
         }
-        LineEventKind::Commanded { frame, mode } => {
-            out.push_str(",\"direction\":\"tx\",\"derived\":true");
-            push_id(out, frame);
-            push_mode(out, *mode);
-            hex = frame.bytes();
-        }
-        LineEventKind::Reading { frame, asked } => {
-            out.push_str(",\"direction\":\"rx\",\"derived\":true");
-            push_id(out, frame);
-            push_layout(out, *asked);
-            hex = frame.bytes();
+        LineEventKind::Known { id, mode, value } => {
+            out.push_str(",\"direction\":\"tx\",\"known\":true,\"id\":");
+            push_decimal(out, id.get().into());
+            push_mode(out, Some(*mode));
+            hex = value.as_ref().map_or(&[], |value| &value[..]);
         }
         // It is a member of the message.
         LineEventKind::ModelSelected(_) => {}
@@ -151,14 +145,13 @@ fn push_layout(out: &mut String, asked: Option<Layout>) {
     out.push_str(match asked {
         Some(Layout::Drive) => ",\"layout\":\"drive\"",
         Some(Layout::Query) => ",\"layout\":\"query\"",
-        Some(Layout::Temperature) => ",\"layout\":\"temperature\"",
         None => "",
     });
 }
 
 pub(crate) const fn mode_name(mode: Mode) -> &'static str {
     match mode {
-        Mode::OpenLoop => "open loop",
+        Mode::OpenLoop => "open_loop",
         Mode::Current => "current",
         Mode::Velocity => "velocity",
         Mode::Position => "position",
@@ -172,6 +165,12 @@ fn mode_of(name: &str) -> Option<Mode> {
         Mode::Velocity,
         Mode::Position,
     ];
+    // Earlier versions wrote a space.
+    let name = if name == "open loop" {
+        "open_loop"
+    } else {
+        name
+    };
     modes.into_iter().find(|mode| mode_name(*mode) == name)
 }
 
@@ -200,12 +199,19 @@ pub(crate) fn read(data: &[u8]) -> Option<Content> {
         is_complete: true,
     };
     for frame in frames.to_array().ok()? {
-        match read_event(frame) {
-            Some((after, kind)) => {
-                at = at + after;
-                content.events.push(LineEvent { at, kind });
-            }
-            None => content.is_complete = false,
+        let Some(members) = read_members(frame) else {
+            content.is_complete = false;
+            continue;
+        };
+        let event = members.kind(content.model);
+        // A frame that cannot be read has no time.
+        if !matches!(event, Event::Unreadable) {
+            at = at + Duration::from_micros(members.after_us);
+        }
+        match event {
+            Event::Of(kind) => content.events.push(LineEvent { at, kind }),
+            Event::SaidBefore => {}
+            Event::Unreadable => content.is_complete = false,
         }
     }
     Some(content)
@@ -217,6 +223,7 @@ struct Members<'a> {
     after_us: u64,
     tx: Option<bool>,
     not_sent: bool,
+    known: bool,
     derived: bool,
     junk: bool,
     id: Option<u8>,
@@ -226,7 +233,15 @@ struct Members<'a> {
     hex: &'a str,
 }
 
-fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> {
+/// What a member of `frames` is.
+enum Event {
+    Of(LineEventKind),
+    /// Of an earlier version: the frame before it as a DDSM115 would send it.
+    SaidBefore,
+    Unreadable,
+}
+
+fn read_members<'a>(frame: RawJsonValue<'a, '_>) -> Option<Members<'a>> {
     let mut members = Members::default();
     for (name, value) in frame.to_object().ok()? {
         let raw = value.as_raw_str();
@@ -241,6 +256,7 @@ fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> 
                 }
             }
             "\"sent\"" => members.not_sent = raw == "false",
+            "\"known\"" => members.known = raw == "true",
             "\"derived\"" => members.derived = raw == "true",
             "\"junk\"" => members.junk = raw == "true",
             "\"id\"" => members.id = raw.parse().ok(),
@@ -250,7 +266,6 @@ fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> 
                 members.layout = match text {
                     "drive" => Some(Layout::Drive),
                     "query" => Some(Layout::Query),
-                    "temperature" => Some(Layout::Temperature),
                     _ => None,
                 }
             }
@@ -258,12 +273,41 @@ fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> 
             _ => {}
         }
     }
-    let kind = members.kind()?;
-    Some((Duration::from_micros(members.after_us), kind))
+    Some(members)
 }
 
 impl Members<'_> {
-    fn kind(&self) -> Option<LineEventKind> {
+    fn kind(&self, model: Model) -> Event {
+        let separate = model.has_separate_frames();
+        let kind = match self.derived {
+            // Of a time of which only the recording was left, there is no frame before it.
+            true if separate && self.after_us == 0 => return Event::SaidBefore,
+            true if separate => None,
+            true => self.derived(),
+            false => self.of_the_line(),
+        };
+        kind.map_or(Event::Unreadable, Event::Of)
+    }
+
+    /// An earlier version, combined frames: a reply of which only the recording was left, or the drive frame before it.
+    fn derived(&self) -> Option<LineEventKind> {
+        let (frame, asked) = (self.frame()?, self.layout);
+        if !self.tx? {
+            return Some(LineEventKind::Received { frame, asked });
+        }
+        let [id, _, high, low, ..] = *frame.bytes();
+        let id = MotorId::new(id).ok()?;
+        let value = self.mode.map(|_| [high, low]);
+        let mode = self.mode.unwrap_or(Mode::Velocity);
+        Some(LineEventKind::Known { id, mode, value })
+    }
+
+    fn frame(&self) -> Option<Frame> {
+        let (bytes, length) = bytes_of(self.hex)?;
+        (length == bytes.len()).then_some(Frame::new(bytes))
+    }
+
+    fn of_the_line(&self) -> Option<LineEventKind> {
         if let (Some(waited_us), Some(id)) = (self.silent_us, self.id) {
             let id = MotorId::new(id).ok()?;
             return Some(LineEventKind::Silence { id, waited_us });
@@ -272,14 +316,22 @@ impl Members<'_> {
         if self.junk {
             return Some(LineEventKind::Junk(JunkBytes::new(bytes.get(..length)?)));
         }
-        let frame = Frame::new((length == bytes.len()).then_some(bytes)?);
+        if self.known {
+            let [high, low, ..] = bytes;
+            let value = match length {
+                0 => None,
+                2 => Some([high, low]),
+                _ => return None,
+            };
+            let (id, mode) = (MotorId::new(self.id?).ok()?, self.mode?);
+            return Some(LineEventKind::Known { id, mode, value });
+        }
+        let frame = self.frame()?;
         let (mode, asked) = (self.mode, self.layout);
-        Some(match (self.tx?, self.derived) {
-            (true, true) => LineEventKind::Commanded { frame, mode },
-            (true, false) if self.not_sent => LineEventKind::NotSent { frame },
-            (true, false) => LineEventKind::Sent { frame, mode },
-            (false, true) => LineEventKind::Reading { frame, asked },
-            (false, false) => LineEventKind::Received { frame, asked },
+        Some(match self.tx? {
+            true if self.not_sent => LineEventKind::NotSent { frame },
+            true => LineEventKind::Sent { frame, mode },
+            false => LineEventKind::Received { frame, asked },
         })
     }
 }

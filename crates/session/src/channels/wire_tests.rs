@@ -54,27 +54,82 @@ fn a_message_is_json_that_says_everything() {
 }
 
 #[test]
-fn another_model_is_named_and_what_is_derived_is_marked() {
+fn another_model_is_named_and_what_is_known_has_no_frame() {
     let mut batch = Batch::default();
     batch.set_model(Model::Ddsm210);
-    let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
-    let asked = Some(Layout::Drive);
-    let reading = LineEvent {
+    let (id, mode) = (MotorId::FIRST, Mode::OpenLoop);
+    let known = |value| LineEvent {
         at: Instant::from_micros(7),
-        kind: LineEventKind::Reading { frame, asked },
+        kind: LineEventKind::Known { id, mode, value },
     };
-    batch.push(&reading);
+    let known = [known(Some([0xFE, 0x0C])), known(None)];
+    known.iter().for_each(|event| batch.push(event));
     let (_, json) = batch.end().unwrap();
     let expected = concat!(
         r#"{"mono_us":7,"model":"ddsm210","frames":["#,
-        r#"{"after_us":0,"direction":"rx","derived":true,"id":1,"layout":"drive","hex":"010202CD006417CF008F"}]}"#,
+        r#"{"after_us":0,"direction":"tx","known":true,"id":1,"mode":"open_loop","hex":"FE0C"},"#,
+        r#"{"after_us":0,"direction":"tx","known":true,"id":1,"mode":"open_loop","hex":""}]}"#,
     );
     assert_eq!(json, expected);
     let content = read(json.as_bytes()).unwrap();
     assert_eq!(
         (content.model, content.events),
-        (Model::Ddsm210, vec![reading])
+        (Model::Ddsm210, known.to_vec())
     );
+}
+
+/// Earlier versions wrote frames of a DDSM115 beside those in separate frames.
+#[test]
+fn a_frame_that_was_on_no_line_is_not_read() {
+    let message = concat!(
+        r#"{"mono_us":7,"model":"ddsm210","frames":["#,
+        r#"{"after_us":0,"direction":"tx","sent":true,"id":1,"mode":"open loop","hex":"016401F40000000000C3"},"#,
+        r#"{"after_us":0,"direction":"tx","derived":true,"id":1,"mode":"open loop","hex":"016401F40000000000C3"},"#,
+        r#"{"after_us":9,"direction":"rx","id":1,"hex":"016401F40000001F0037"},"#,
+        r#"{"after_us":0,"direction":"rx","derived":true,"id":1,"layout":"temperature","hex":"01020000003217CF008F"}]}"#,
+    );
+    let content = read(message.as_bytes()).unwrap();
+    assert!(content.is_complete);
+    let frame = |hex: &str| Frame::new(bytes_of(hex).unwrap().0);
+    let expected = [
+        LineEventKind::Sent {
+            frame: frame("016401F40000000000C3"),
+            mode: Some(Mode::OpenLoop),
+        },
+        LineEventKind::Received {
+            frame: frame("016401F40000001F0037"),
+            asked: None,
+        },
+    ];
+    let kinds: Vec<_> = content.events.iter().map(|event| event.kind).collect();
+    assert_eq!(kinds, expected);
+}
+
+/// Earlier versions wrote the replies of which only the recording was left as derived. Of a DDSM115 they are those of the
+/// line, of a DDSM210 nothing is left of them.
+#[test]
+fn replies_of_a_recording_of_an_earlier_version_are_read_or_said_to_be_lost() {
+    let message = concat!(
+        r#"{"mono_us":7,"frames":["#,
+        r#"{"after_us":0,"direction":"tx","derived":true,"id":1,"mode":"velocity","hex":"0164006400000100008A"},"#,
+        r#"{"after_us":0,"direction":"rx","derived":true,"id":1,"layout":"drive","hex":"010202CD006417CF008F"},"#,
+        r#"{"after_us":5,"direction":"rx","derived":true,"id":1,"layout":"drive","hex":"010202CD006417CF008F"}]}"#,
+    );
+    let content = read(message.as_bytes()).unwrap();
+    assert!(content.is_complete);
+    let frame = Frame::new(bytes_of("010202CD006417CF008F").unwrap().0);
+    let asked = Some(Layout::Drive);
+    let reply = LineEventKind::Received { frame, asked };
+    let known = LineEventKind::Known {
+        id: MotorId::FIRST,
+        mode: Mode::Velocity,
+        value: Some([0, 0x64]),
+    };
+    let kinds: Vec<_> = content.events.iter().map(|event| event.kind).collect();
+    assert_eq!(kinds, [known, reply, reply]);
+    let of_another = message.replace("{\"mono_us\":7,", "{\"mono_us\":7,\"model\":\"ddsm210\",");
+    let content = read(of_another.as_bytes()).unwrap();
+    assert!(content.events.is_empty() && !content.is_complete);
 }
 
 #[test]
@@ -123,11 +178,13 @@ fn kind() -> impl Strategy<Value = LineEventKind> {
         Just(Some(Layout::Query))
     ];
     prop_oneof![
-        (frame.clone(), mode.clone()).prop_map(|(frame, mode)| LineEventKind::Sent { frame, mode }),
-        (frame.clone(), mode).prop_map(|(frame, mode)| LineEventKind::Commanded { frame, mode }),
-        (frame.clone(), layout.clone())
-            .prop_map(|(frame, asked)| LineEventKind::Received { frame, asked }),
-        (frame.clone(), layout).prop_map(|(frame, asked)| LineEventKind::Reading { frame, asked }),
+        (frame.clone(), mode).prop_map(|(frame, mode)| LineEventKind::Sent { frame, mode }),
+        (1..=254_u8, any::<Option<[u8; 2]>>()).prop_map(|(id, value)| LineEventKind::Known {
+            id: MotorId::new(id).unwrap(),
+            mode: Mode::OpenLoop,
+            value,
+        }),
+        (frame.clone(), layout).prop_map(|(frame, asked)| LineEventKind::Received { frame, asked }),
         frame.prop_map(|frame| LineEventKind::NotSent { frame }),
         prop::collection::vec(any::<u8>(), 0..10)
             .prop_map(|junk| LineEventKind::Junk(JunkBytes::new(&junk))),

@@ -6,8 +6,9 @@ use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_protocol::{
     FRAME_LEN, Frame, Instant, Layout, Mode, MotorId, Reply, Request, explain_received,
     explain_sent,
+    family::{Model, Reading},
 };
-use motorlink_recorder::{REPLY, spelled_out, unmarked};
+use motorlink_recorder::{REPLY, mode_cell, spelled_out, unmarked};
 
 use super::times::Time;
 use crate::{
@@ -51,8 +52,14 @@ enum Content<'a> {
     /// A frame and its description, if the line has one.
     Sent(Frame, &'a str),
     Received(Frame, &'a str),
-    /// A reply with its layout.
-    Telemetry(Frame, Option<Layout>),
+    /// A reply with its layout, its model, and the loop of its motor.
+    Telemetry {
+        id: MotorId,
+        frame: Frame,
+        asked: Option<Layout>,
+        model: Model,
+        mode: Option<Mode>,
+    },
     Line(LineEventKind),
     Text {
         error: bool,
@@ -65,6 +72,7 @@ enum Content<'a> {
 pub(super) struct Rows {
     columns: Columns,
     asked: Option<(MotorId, Layout)>,
+    model: Model,
     modes: BTreeMap<MotorId, Mode>,
 }
 
@@ -73,6 +81,7 @@ impl Rows {
         Self {
             columns,
             asked: None,
+            model: Model::Ddsm115,
             modes: BTreeMap::new(),
         }
     }
@@ -90,18 +99,29 @@ impl Rows {
             (Columns::Log, [_, _, direction, id, hex, meaning]) => {
                 log_line(direction, id, hex, meaning)?
             }
-            (Columns::Telemetry, [_, _, _, _, _, temperature, position, _, _, hex]) => {
+            (Columns::Telemetry, [_, _, mode, _, _, temperature, position, _, _, hex]) => {
+                let frame: Frame = hex.parse().ok()?;
+                let model = model_of(&frame);
                 // Both layouts have a position, but only one has a temperature. The article's script only sends
                 // queries.
-                let layout = match (temperature.is_empty(), position.is_empty()) {
+                let asked = match (temperature.is_empty(), position.is_empty()) {
+                    _ if model.has_separate_frames() => None,
                     (false, false) => Some(Layout::Query),
-                    (false, true) => Some(Layout::Temperature),
                     (true, false) => Some(Layout::Drive),
-                    (true, true) => None,
+                    (_, true) => None,
                 };
-                let frame: Frame = hex.parse().ok()?;
-                Reply::decode(&frame, layout).ok()?;
-                Content::Telemetry(frame, layout)
+                let reading = Reading::decode(model, &frame, asked.map(Into::into)).ok()?;
+                Content::Telemetry {
+                    id: reading.id(),
+                    frame,
+                    asked,
+                    model,
+                    mode: model
+                        .modes()
+                        .iter()
+                        .copied()
+                        .find(|of| mode_cell(*of) == *mode),
+                }
             }
             (Columns::Original, [_, kind, content]) => original_line(kind, content)?,
             _ => return None,
@@ -113,7 +133,27 @@ impl Rows {
         let kind = match line.content {
             Content::Sent(frame, meaning) => self.sent(frame, meaning),
             Content::Received(frame, meaning) => self.received(frame, meaning),
-            Content::Telemetry(frame, asked) => LineEventKind::Received { frame, asked },
+            Content::Telemetry {
+                id,
+                frame,
+                asked,
+                model,
+                mode,
+            } => {
+                if std::mem::replace(&mut self.model, model) != model {
+                    self.modes.clear();
+                    let kind = LineEventKind::ModelSelected(model);
+                    writer.line(&LineEvent { at, kind });
+                }
+                if let Some(mode) = mode.filter(|_| model.has_separate_frames())
+                    && self.modes.insert(id, mode) != Some(mode)
+                {
+                    let value = None;
+                    let kind = LineEventKind::Known { id, mode, value };
+                    writer.line(&LineEvent { at, kind });
+                }
+                LineEventKind::Received { frame, asked }
+            }
             Content::Line(kind) => kind,
             Content::Text { error, text } => {
                 let event = Event::new(EventKind::Notice, text);
@@ -162,6 +202,17 @@ impl Rows {
         let followed = asked.map(|(_, layout)| layout);
         let asked = layouts.into_iter().find(matches).unwrap_or(followed);
         LineEventKind::Received { frame, asked }
+    }
+}
+
+/// The model of a reply in a file of telemetry, which has none that only names a loop. Frames of a DDSM315 are those of a
+/// DDSM115.
+const fn model_of(frame: &Frame) -> Model {
+    let [_, byte_1, ..] = *frame.bytes();
+    match byte_1 {
+        0x64 | 0x74 => Model::Ddsm210,
+        0x65 | 0x75 => Model::Ddsm400,
+        _ => Model::Ddsm115,
     }
 }
 

@@ -1,5 +1,5 @@
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
-use motorlink_protocol::{Instant, Layout, Mode, MotorId};
+use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, family::Model};
 use motorlink_recorder::{Charset, CsvLines, WallClock};
 
 use super::*;
@@ -106,6 +106,48 @@ fn a_log_of_an_earlier_version_is_read_as_it_was_written() {
         panic!("the last line is a text")
     };
     assert_eq!((said.text.as_str(), said.error), ("=1+1", true));
+}
+
+#[test]
+fn our_telemetry_of_separate_frames_is_the_same_again() {
+    let frame = |bytes| Frame::with_crc(bytes);
+    for (model, offset) in [(Model::Ddsm210, 0), (Model::Ddsm400, 1)] {
+        let received = |bytes| LineEventKind::Received {
+            frame: frame(bytes),
+            asked: None,
+        };
+        let kinds = [
+            LineEventKind::ModelSelected(model),
+            received([1, 0x75 + offset, 0, 0, 0, 0, 0, 0, 0]),
+            received([1, 0x64 + offset, 1, 0xF4, 0, 8, 0, 31, 2]),
+            received([1, 0x74 + offset, 0, 0, 0, 7, 0x40, 0, 0]),
+        ];
+        let clock = WallClock::from_us(ZERO_US, motorlink_recorder::LocalTime::default());
+        let mut csv = Vec::new();
+        let mut table = CsvLines::of_telemetry();
+        table.head(&mut csv);
+        for (n, kind) in (0..).zip(kinds) {
+            let at = Instant::from_millis(n);
+            table.event(&mut csv, &LineEvent { at, kind }, clock);
+        }
+        let (records, problems) = import(&csv, 100).unwrap();
+        assert!(problems.is_empty(), "{problems}");
+        let mut again = Vec::new();
+        let mut table = CsvLines::of_telemetry();
+        table.head(&mut again);
+        // Its clock begins with the first row. It has an event for the fault, too.
+        let clock = WallClock::from_us(ZERO_US + 2_000, motorlink_recorder::LocalTime::default());
+        for event in lines(&records) {
+            table.event(&mut again, &event, clock);
+        }
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        let (csv, again) = (text(csv), text(again));
+        assert_eq!(again, csv, "{model}");
+        let current = if model == Model::Ddsm400 { "0.001" } else { "" };
+        let hex = frame([1, 0x64 + offset, 1, 0xF4, 0, 8, 0, 31, 2]);
+        let row = format!("1,Open loop,50,{current},31,,0x02,overcurrent,{hex}");
+        assert!(csv.contains(&row), "{csv}");
+    }
 }
 
 #[test]

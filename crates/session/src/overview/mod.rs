@@ -8,8 +8,11 @@ mod stored;
 
 use std::{collections::BTreeMap, time::Duration};
 
-use motorlink_bus::LineEventKind;
-use motorlink_protocol::{Instant, Layout, MotorId, Reply, Request, family::Model};
+use motorlink_bus::{LineEvent, LineEventKind, LineSamples};
+use motorlink_protocol::{
+    Instant, MotorId, Reply,
+    family::{Model, Reading, Request},
+};
 
 use crate::record::{EventKind, Record, What};
 
@@ -27,8 +30,8 @@ pub const BOOKMARKS_MAX: usize = 1_000;
 /// Initial length of a bucket in microseconds. It doubles whenever there are too many buckets.
 const BUCKET_US: u64 = 1_000;
 
-/// A summary of the whole session over time.
-#[derive(Clone, Debug, PartialEq)]
+/// A summary of the whole session over time. Two are equal if they are stored alike.
+#[derive(Clone, Debug)]
 pub struct Overview {
     /// Length of a bucket in microseconds.
     bucket_us: u64,
@@ -39,8 +42,8 @@ pub struct Overview {
     marks: Vec<Mark>,
     /// How many of the marks are bookmarks.
     bookmarks: usize,
-    /// The model of the following records. It is not stored.
-    model: Model,
+    /// Reads the following records. It is not stored.
+    samples: LineSamples,
     /// Number of marks beyond [`MARKS_MAX`].
     pub marks_left_out: u64,
     /// Frames and other events of the bus.
@@ -66,7 +69,7 @@ impl Default for Overview {
             motors: BTreeMap::new(),
             marks: Vec::new(),
             bookmarks: 0,
-            model: Model::default(),
+            samples: LineSamples::default(),
             marks_left_out: 0,
             line_events: 0,
             sent: 0,
@@ -75,6 +78,12 @@ impl Default for Overview {
             junk: 0,
             not_sent: 0,
         }
+    }
+}
+
+impl PartialEq for Overview {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_json() == other.to_json()
     }
 }
 
@@ -100,7 +109,13 @@ impl Overview {
         }
         let after = record.at.since(first);
         match &record.what {
-            What::Line(kind) => self.line(after, kind),
+            What::Line(kind) => {
+                let (at, kind) = (record.at, *kind);
+                if let Some(sample) = self.samples.add_event(&LineEvent { at, kind }) {
+                    self.replied(after, &sample.reply);
+                }
+                self.line(&kind);
+            }
             What::Event(event) => {
                 if self.has_room_for(event.kind) {
                     self.bookmarks += usize::from(event.kind == EventKind::Bookmark);
@@ -137,30 +152,27 @@ impl Overview {
         true
     }
 
-    fn line(&mut self, after: Duration, kind: &LineEventKind) {
+    fn line(&mut self, kind: &LineEventKind) {
         self.line_events += u64::from(kind.is_on_the_wire());
         match kind {
             LineEventKind::Sent { frame, .. }
             | LineEventKind::SentByHand { frame, .. }
             | LineEventKind::RepeatedByHand { frame, .. } => {
                 self.sent += 1;
-                if let Some(id) = Request::parse(frame).ok().and_then(|one| one.addressee()) {
+                let request = Request::parse(self.samples.model(), frame).ok();
+                if let Some(id) = request.and_then(|one| one.addressee()) {
                     self.motor(id).sent += 1;
                 }
             }
-            LineEventKind::Received { frame, asked } => {
+            LineEventKind::Received { frame, .. } => {
                 self.received += 1;
-                if let Ok(reply) = Reply::decode(frame, *asked) {
-                    self.replied(after, &reply);
+                let [address, ..] = *frame.bytes();
+                let reading = Reading::decode(self.samples.model(), frame, None);
+                if let (Ok(_), Ok(id)) = (reading, MotorId::new(address)) {
+                    self.motor(id).replies += 1;
                 }
             }
-            LineEventKind::Commanded { .. } => {}
-            LineEventKind::ModelSelected(model) => self.set_model(*model),
-            LineEventKind::Reading { frame, asked } => {
-                if let Ok(reply) = Reply::decode(frame, *asked) {
-                    self.replied(after, &self.without_repeated(reply, *asked));
-                }
-            }
+            LineEventKind::Known { .. } | LineEventKind::ModelSelected(_) => {}
             LineEventKind::Junk(_) => self.junk += 1,
             LineEventKind::Silence { id, .. } => {
                 self.lost += 1;
@@ -171,23 +183,18 @@ impl Overview {
     }
 
     /// The following records are of this model.
-    pub(crate) const fn set_model(&mut self, model: Model) {
-        self.model = model;
+    pub(crate) fn set_model(&mut self, model: Model) {
+        self.samples = LineSamples::of(model);
     }
 
     fn replied(&mut self, after: Duration, reply: &Reply) {
         let bucket = self.bucket_of(after);
-        self.motor(reply.id).replied(bucket, reply);
-    }
-
-    /// Older files repeat the last current, or have 0 A, in the odometry of separate frames, which has none.
-    fn without_repeated(&self, reply: Reply, asked: Option<Layout>) -> Reply {
-        let is_odometry = self.model.has_separate_frames()
-            && !matches!(asked, Some(Layout::Query | Layout::Temperature));
-        Reply {
-            current: reply.current.filter(|_| !is_odometry),
-            ..reply
-        }
+        let scale = self.samples.model().spec().current;
+        let reply = Reply {
+            current: reply.current.filter(|_| scale.is_certain()),
+            ..*reply
+        };
+        self.motor(reply.id).replied(bucket, &reply);
     }
 
     fn motor(&mut self, id: MotorId) -> &mut MotorOverview {

@@ -58,8 +58,7 @@ impl Extent {
 
 impl MotorOverview {
     pub(super) fn replied(&mut self, bucket: usize, reply: &Reply) {
-        self.replies += 1;
-        self.faults = Faults::from_byte(self.faults.byte() | reply.faults.byte());
+        self.faults = self.faults.joined(reply.faults);
         if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail {
             self.temperature_max_c = self.temperature_max_c.max(Some(temperature.degrees()));
         }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motorlink_bus::LineSamples;
 use motorlink_protocol::{Current, Faults, Instant, MotorId, Rpm, family::Model};
 use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
 
@@ -45,6 +46,10 @@ impl DisplayJson for Motor<'_> {
             f.member("replies", motor.replies)?;
             f.member("lost", motor.lost)?;
             f.member("fault_code", motor.faults.byte())?;
+            let model = motor.faults.model();
+            if model != Model::default() {
+                f.member("model", model.spec().key)?;
+            }
             f.member("temperature_max_c", motor.temperature_max_c)?;
             f.member("buckets", &motor.buckets)
         })
@@ -106,7 +111,7 @@ impl Overview {
             motors: motors.collect::<Option<_>>()?,
             bookmarks: bookmarks_in(&marks),
             marks,
-            model: Model::default(),
+            samples: LineSamples::default(),
             marks_left_out: number("marks_left_out")?,
             line_events: number("line_events")?,
             sent: number("sent")?,
@@ -160,11 +165,13 @@ fn motor(motor: RawJsonValue<'_, '_>) -> Option<(MotorId, MotorOverview)> {
         }
         extent(bucket).map(Some).ok_or(())
     });
+    let model = motor.to_member("model").ok()?.optional();
+    let model = model.and_then(|model| model.as_raw_str().trim_matches('"').parse().ok());
     let overview = MotorOverview {
         sent: number("sent")?,
         replies: number("replies")?,
         lost: number("lost")?,
-        faults: Faults::from_byte(integer(motor, "fault_code")?),
+        faults: Faults::of(model.unwrap_or_default(), integer(motor, "fault_code")?),
         temperature_max_c: integer(motor, "temperature_max_c"),
         buckets: buckets.collect::<Result<_, ()>>().ok()?,
     };

@@ -10,7 +10,7 @@ pub struct LookBack {
     /// For the graph, and at least for the state and the packet log. Default 60 s.
     pub past: Duration,
     /// The state and the packet log look further back while the chunks of the file have no more bytes, decompressed.
-    /// Default 6 MB: a minute at 500 exchanges a second, or half an hour at 10.
+    /// Default 12 MB: a minute at 500 exchanges a second, or half an hour at 10.
     pub bytes: u64,
 }
 
@@ -19,7 +19,7 @@ impl Default for LookBack {
         Self {
             picture: Duration::from_secs(3),
             past: Duration::from_secs(60),
-            bytes: 6 << 20,
+            bytes: 12 << 20,
         }
     }
 }

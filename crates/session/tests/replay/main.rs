@@ -12,3 +12,4 @@ mod random;
 mod seeking;
 mod states;
 mod steps;
+mod values;

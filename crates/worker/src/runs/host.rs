@@ -61,8 +61,7 @@ impl Runs {
         bus: &mut Bus,
         of_person: BusSettings,
     ) {
-        let separate = bus.model().has_separate_frames();
-        if let Some(mut input) = self.host.input_of(event, separate) {
+        if let Some(mut input) = self.host.input_of(event, bus.model()) {
             if let Input::Sent { at, .. } = &mut input {
                 *at = self.taken;
             }

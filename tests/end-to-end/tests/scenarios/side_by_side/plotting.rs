@@ -12,7 +12,7 @@ use crate::fixture::{
 use end_to_end::Frame;
 
 /// The columns of one motor.
-const PLOT_HEAD: [&str; 9] = [
+const PLOT_HEAD: [&str; 10] = [
     "time",
     "motor_1_unmirrored_speed_rpm",
     "motor_1_unmirrored_current_a",
@@ -22,6 +22,7 @@ const PLOT_HEAD: [&str; 9] = [
     "motor_1_fault_code",
     "motor_1_unmirrored_setpoint",
     "motor_1_setpoint_mode",
+    "motor_1_unmirrored_current_raw",
 ];
 
 /// A drive, another one and a stop.
