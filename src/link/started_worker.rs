@@ -72,6 +72,8 @@ impl StartedWorker {
 
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             if let Some(error) = event.dyn_ref::<ErrorEvent>() {
+                // Otherwise the browser writes the same words to the console twice more.
+                event.prevent_default();
                 logging::error!("a worker failed: {}", error.message());
             }
             lost();
