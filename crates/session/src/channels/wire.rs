@@ -219,6 +219,10 @@ pub(crate) fn read(data: &[u8]) -> Option<Content> {
 
 /// The members of one frame, collected in a single pass: an hour has millions of them.
 #[derive(Default)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each is a member of the JSON object"
+)]
 struct Members<'a> {
     after_us: u64,
     tx: Option<bool>,
