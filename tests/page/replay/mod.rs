@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
-    bus::{Activity, Command, MotorStatus, Sample, StopOutcome, StopReason, StopReport},
+    bus::{Activity, Command, MotorStatus, Sample, StopOutcome, StopReason, StopReport, Turns},
     protocol::{Instant, Mode, MotorId, Reply, Rpm, Setpoint, SpeedTarget},
     recorder::{Kind, LogPage, Row, ToRecorder},
     sessions::{FromReplay, FromSessions, Place, PlaySpeed, ToReplay, ToSessions},
@@ -172,6 +172,27 @@ async fn a_recording_is_shown_on_the_instruments_and_says_that_it_is_one() {
     let jumped = || bench.text("status", "Speed").contains("\u{2212}80");
     bench.until("the other place", jumped).await;
     assert_eq!(bench.text("status", "Place"), "1:00.000 / 1:05.250");
+}
+
+/// Live, a dialog asks for Release. In a recording nothing can be released, and keys stay those of a replay.
+#[wasm_bindgen_test]
+async fn a_recorded_stop_of_all_motors_is_said_in_the_bar_and_opens_no_dialog() {
+    let (sessions, bench) = replaying("replay-halted").await;
+    let FromReplay::Update { place, mut update } = update(3_000, 0, false) else {
+        panic!("an update")
+    };
+    update.halted = true;
+    update.motors[0].turns = Some(Turns::new(-4.5));
+    post(&sessions, FromReplay::Update { place, update });
+    let is_said = || {
+        bench
+            .text("region", "Replay")
+            .contains("All motors stopped, until Release")
+    };
+    bench.until("the stop", is_said).await;
+    assert!(bench.find_all("alertdialog", "Stopped").is_empty());
+    let position = bench.text("region", "Wheel");
+    assert!(position.contains("\u{2212}4.5 turns"), "{position}");
 }
 
 #[wasm_bindgen_test]
