@@ -1,6 +1,6 @@
 //! The present state of the bus and its motors, for the caller.
 
-use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
     bus::Bus,
@@ -59,12 +59,6 @@ impl Bus {
             status.activity = self.activity(motor);
             status
         })
-    }
-
-    /// What every motor does.
-    pub(crate) fn activities(&self) -> impl Iterator<Item = (MotorId, Activity)> {
-        let motors = self.motors.iter();
-        motors.map(|motor| (motor.id, self.activity(motor)))
     }
 
     fn activity(&self, motor: &Motor) -> Activity {

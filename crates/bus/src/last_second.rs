@@ -24,16 +24,6 @@ impl<T: Copy + Default> LastSecond<T> {
         &mut self.slots[place(self.newest)]
     }
 
-    /// The slot of an earlier time, if it is still kept.
-    pub(crate) fn earlier(&mut self, at: Instant) -> Option<&mut T> {
-        let slot = at.as_micros() / SLOT_US;
-        let is_kept = self
-            .newest
-            .checked_sub(slot)
-            .is_some_and(|back| back < SLOTS as u64);
-        self.slots.get_mut(place(slot)).filter(|_| is_kept)
-    }
-
     /// The nine complete slots. The current one is left out.
     pub(crate) fn over(&self, now: Instant) -> impl Iterator<Item = T> {
         let mut moved = self.clone();

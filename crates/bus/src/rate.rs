@@ -86,13 +86,6 @@ impl RateMeter {
         *slot = slot.saturating_add(1);
     }
 
-    /// Takes back an event that was counted at this time.
-    pub(crate) fn take_back(&mut self, at: Instant) {
-        if let Some(slot) = self.0.earlier(at) {
-            *slot = slot.saturating_sub(1);
-        }
-    }
-
     /// Events per second, over the last second.
     pub(crate) fn hertz(&self, now: Instant) -> u16 {
         let over: u32 = self.0.over(now).map(u32::from).sum();

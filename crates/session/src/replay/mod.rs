@@ -7,13 +7,13 @@
 //! | `search` | the state at another place |
 //! | `track` | reads records up to a time |
 //! | `state` | what the page shows |
-//! | `inferred` | the same for records without states: what the frames tell |
+//! | `of_frames` | the same for records without states: what the frames tell |
 //! | `log_rows` | rows of the packet log |
 //! | `times`, `look_back` | the clock of a replay, and how far it reads back |
 
-mod inferred;
 mod log_rows;
 mod look_back;
+mod of_frames;
 mod player;
 mod playing;
 mod search;

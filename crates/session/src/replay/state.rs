@@ -6,7 +6,7 @@ use motorlink_bus::{Activity, Sample};
 use motorlink_messages::{Adapter, Connection, Update, sessions::ActivityChange};
 use motorlink_protocol::{Instant, MotorId};
 
-use super::inferred::Inferred;
+use super::of_frames::OfFrames;
 use crate::record::What;
 
 /// Changes that are kept: as many as the frames of a minute with a ramp, of which each has another setpoint.
@@ -18,8 +18,8 @@ pub(super) struct State {
     /// The last state in the file. Files of earlier versions have none, nor has the packet log as CSV.
     stored: Option<Box<Update>>,
     has_stored_samples: bool,
-    /// What the frames tell of the bus, before the first state.
-    inferred: Inferred,
+    /// What the frames tell of the motors, before the first state.
+    of_frames: OfFrames,
     /// The replies since they were taken.
     pub(super) samples: Vec<Sample>,
     /// What the motors do, if its changes are kept.
@@ -60,11 +60,11 @@ impl Activities {
 }
 
 impl State {
-    pub(super) fn new(at: Instant) -> Self {
+    pub(super) fn new() -> Self {
         Self {
             stored: None,
             has_stored_samples: false,
-            inferred: Inferred::new(at),
+            of_frames: OfFrames::default(),
             samples: Vec::new(),
             activities: None,
         }
@@ -85,14 +85,14 @@ impl State {
     pub(super) fn add(&mut self, at: Instant, what: &What) {
         match (what, &self.stored) {
             (What::State(update), _) => self.show(update),
-            (_, None) => self.inferred.add(at, what, &mut self.samples),
+            (_, None) => self.of_frames.add(at, what, &mut self.samples),
             (_, Some(_)) => return,
         }
         if let Some(kept) = &mut self.activities {
             let motors = self.stored.iter().flat_map(|update| &update.motors);
             let mut now: Vec<_> = motors.map(|motor| (motor.id, motor.activity)).collect();
             if self.stored.is_none() {
-                now.extend(self.inferred.activities());
+                now.extend(self.of_frames.activities(at));
             }
             kept.note_all(at, &now);
         }
@@ -114,7 +114,7 @@ impl State {
     /// The state at this time, which is not before the last record, and the replies since the last update.
     pub(super) fn update(&mut self, now: Instant) -> Update {
         let stored = self.stored.as_deref();
-        let shown = stored.map_or_else(|| self.inferred.update(now), Clone::clone);
+        let shown = stored.map_or_else(|| self.of_frames.update(now), Clone::clone);
         Update {
             now,
             connection: Connection::Connected(Adapter::Recording),

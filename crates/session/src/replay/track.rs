@@ -66,7 +66,7 @@ impl Track {
             from: None,
             wants: None,
             frames: VecDeque::new(),
-            state: State::new(times.first),
+            state: State::new(),
             log,
         }
     }

@@ -1,10 +1,8 @@
 //! A live line: a bus, virtual motors and virtual time, written as a session.
 
-use std::{collections::VecDeque, time::Duration};
+use std::time::Duration;
 
-use motorlink_bus::{
-    Bus, Command, Consent, Event, LineStatus, MotorStatus, Output, Refusal, Sample,
-};
+use motorlink_bus::{Bus, Command, Consent, Event, Output, Refusal, Sample};
 use motorlink_messages::{
     Adapter, Connection, ToPage, Update, encode,
     recorder::ToRecorder,
@@ -19,9 +17,7 @@ use motorlink_simulator::{World, WorldConfig};
 
 /// 2026-11-21 13:15:36.962 UTC at [`Instant::ZERO`].
 pub const ZERO_US: i64 = 1_795_266_936_962_000;
-
-/// The page notices an event of the bus at its next frame of the screen.
-const NOTICED_AFTER: Duration = Duration::from_millis(17);
+const ZERO_MS: f64 = 1_795_266_936_962.0;
 
 pub fn ms(millis: u64) -> Duration {
     Duration::from_millis(millis)
@@ -43,27 +39,13 @@ pub fn degrees(degrees: f32) -> Setpoint {
     Setpoint::Position(PositionTarget::from_degrees(degrees))
 }
 
-/// What the page shows at a time.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    pub at: Instant,
-    pub motors: Vec<MotorStatus>,
-    pub line: LineStatus,
-}
-
 pub struct Live {
     pub now: Instant,
     pub bus: Bus,
     pub world: World,
-    writer: Writer,
-    notices: VecDeque<(Instant, session::Event)>,
-    /// How many of the next frames the port refuses.
-    pub refusals: u32,
-    pub shown: Vec<Shown>,
-    samples: Vec<Sample>,
     /// Keeps the frames, and the states that the page gets.
-    recorder: Option<Recorder>,
-    /// The updates to the page: some have many samples, many have none.
+    recorder: Recorder,
+    /// The updates to the page.
     pub updates: Vec<Update>,
     update_samples: Vec<Sample>,
 }
@@ -80,30 +62,15 @@ impl Live {
             .map_or(Model::Ddsm115, |motor| motor.model);
         let mut world = World::new(config);
         world.advance(now);
+        let mut recorder = Recorder::new(WallClock::from_us(ZERO_US, LocalTime::fixed(0)));
+        recorder.handle(ToRecorder::Epoch { unix_ms: ZERO_MS });
         Self {
             now,
             bus: Bus::with_model(now, model),
             world,
-            writer: Writer::new(ZERO_US, &[("page", "test")]),
-            notices: VecDeque::new(),
-            refusals: 0,
-            shown: Vec::new(),
-            samples: Vec::new(),
-            recorder: None,
+            recorder,
             updates: Vec::new(),
             update_samples: Vec::new(),
-        }
-    }
-
-    /// A line whose states are recorded too, as the page gets them.
-    pub fn with_states(model: Model) -> Self {
-        let mut recorder = Recorder::new(WallClock::from_us(ZERO_US, LocalTime::fixed(0)));
-        recorder.handle(ToRecorder::Epoch {
-            unix_ms: f64::from(u32::try_from(ZERO_US / 1_000_000).unwrap()) * 1_000.0,
-        });
-        Self {
-            recorder: Some(recorder),
-            ..Self::new(WorldConfig::of(model, [id(1), id(2)]))
         }
     }
 
@@ -119,8 +86,6 @@ impl Live {
             self.command(Command::Watch(id(address))).unwrap();
         }
         self.run(ms(1_000));
-        // Before its first answer, a motor is in no record.
-        self.shown.clear();
     }
 
     pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
@@ -145,27 +110,13 @@ impl Live {
         self.command(Command::SwitchMode { id, mode }).unwrap();
     }
 
-    /// Runs, and notes what the page shows every few milliseconds.
     pub fn run(&mut self, duration: Duration) {
-        let end = self.now + duration;
-        while self.now < end {
-            let step = (self.now + ms(61)).min(end);
-            self.run_to(step);
-            if step == end {
-                // A command may follow at the same time.
-                break;
-            }
-            self.shown.push(Shown {
-                at: self.now,
-                motors: self.bus.motors(self.now).collect(),
-                line: self.bus.line_status(self.now),
-            });
-        }
+        self.run_to(self.now + duration);
     }
 
     /// The port is closed for hours, then another bus goes on.
     pub fn pass_hours(&mut self, hours: u64) {
-        self.write_notices();
+        self.post_update(Connection::Disconnected);
         self.now = self.now + Duration::from_secs(hours * 3_600);
         self.world.advance(self.now);
         while self.world.receive(self.now).is_some() {}
@@ -184,7 +135,7 @@ impl Live {
             while let Some(chunk) = self.world.receive(self.now) {
                 self.bus.receive(self.now, &chunk.bytes);
             }
-            self.post_update();
+            self.update();
             if self.now >= end {
                 self.settle();
                 return;
@@ -195,10 +146,6 @@ impl Live {
     fn settle(&mut self) -> Instant {
         for _ in 0..1_000 {
             match self.bus.poll(self.now) {
-                Output::Transmit(_) if self.refusals > 0 => {
-                    self.refusals -= 1;
-                    self.bus.transmit_failed();
-                }
                 Output::Transmit(frame) => self.world.transmit(self.now, frame.bytes()),
                 Output::Event(Event::PingPage) => self.bus.page_answered(self.now),
                 Output::Event(event) => self.happened(event),
@@ -212,80 +159,47 @@ impl Live {
     }
 
     /// Posts an update if one is due.
-    fn post_update(&mut self) {
-        let Some(recorder) = &mut self.recorder else {
-            return;
-        };
-        let now = self.now;
-        let last = self
-            .updates
-            .last()
-            .map_or(Instant::ZERO, |update| update.now);
-        if now.since(last) < UPDATE_EVERY {
-            return;
+    fn update(&mut self) {
+        let last = self.updates.last();
+        let is_due = |last: &Update| self.now.since(last.now) >= UPDATE_EVERY;
+        if last.is_none_or(is_due) {
+            self.post_update(Connection::Connected(Adapter::Serial(None)));
         }
+    }
+
+    fn post_update(&mut self, connection: Connection) {
+        let now = self.now;
+        let is_open = connection != Connection::Disconnected;
         let update = Update {
             now,
-            connection: Connection::Connected(Adapter::Serial(None)),
+            connection,
             halted: self.bus.is_halted(),
-            motors: self.bus.motors(now).collect(),
-            job: self.bus.job(),
-            raw: self.bus.raw(),
-            line: Some(self.bus.line_status(now)),
+            motors: self.bus.motors(now).filter(|_| is_open).collect(),
+            job: self.bus.job().filter(|_| is_open),
+            raw: self.bus.raw().filter(|_| is_open),
+            line: is_open.then(|| self.bus.line_status(now)),
             samples: std::mem::take(&mut self.update_samples),
             notices: Vec::new(),
         };
-        recorder.add_state(encode(&ToPage::Update(update.clone())).unwrap());
+        let message = encode(&ToPage::Update(update.clone())).unwrap();
+        self.recorder.add_state(message);
         self.updates.push(update);
     }
 
     fn happened(&mut self, event: Event) {
-        self.write_notices();
-        if let Some(recorder) = &mut self.recorder {
-            match event {
-                Event::Line(line) => recorder.add_event(&line),
-                Event::Telemetry(sample) => self.update_samples.push(sample),
-                _ => {}
-            }
-            return;
-        }
-        let (kind, motors) = match event {
-            Event::Line(line) => return self.writer.line(&line),
-            Event::Telemetry(sample) => return self.samples.push(sample),
-            Event::StopBegan(_) => (EventKind::StopBegan, Vec::new()),
-            Event::StopEnded(report) => (EventKind::StopEnded, report.motors),
-            _ => (EventKind::Notice, Vec::new()),
-        };
-        let event = session::Event {
-            motors,
-            ..session::Event::new(kind, kind.name())
-        };
-        self.notices.push_back((self.now + NOTICED_AFTER, event));
-    }
-
-    fn write_notices(&mut self) {
-        while let Some((at, event)) = self.notices.pop_front_if(|(at, _)| *at <= self.now) {
-            self.writer.event(at, &event);
+        match event {
+            Event::Line(line) => self.recorder.add_event(&line),
+            Event::Telemetry(sample) => self.update_samples.push(sample),
+            _ => {}
         }
     }
 
-    /// The session file, and what the page has shown.
-    pub fn end(mut self) -> (Vec<u8>, Vec<Shown>) {
-        self.complete();
-        (self.writer.finish(), self.shown)
-    }
-
-    /// The session file, and every reply.
-    pub fn end_with_samples(mut self) -> (Vec<u8>, Vec<Sample>) {
-        self.complete();
-        (self.writer.finish(), self.samples)
-    }
-
-    /// The session file that is made of what the recorder keeps, and every update to the page.
-    pub fn save(self) -> (Vec<u8>, Vec<Update>) {
-        let mut recorder = self.recorder.expect("it records");
-        let mut part = recorder.first_kept(None, 100);
-        let mut writer: Option<Writer> = None;
+    /// The session file of what the recorder keeps, and every update to the page.
+    pub fn end(mut self) -> (Vec<u8>, Vec<Update>) {
+        self.run(ms(50));
+        self.post_update(Connection::Connected(Adapter::Serial(None)));
+        let mut part = self.recorder.first_kept(None, 100);
+        let mut writer = Writer::new(ZERO_US, &[("page", "test")]);
         loop {
             let Kept::Part {
                 zero_us,
@@ -296,7 +210,7 @@ impl Live {
             else {
                 panic!("{part:?}")
             };
-            let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &[("page", "test")]));
+            assert_eq!(zero_us, ZERO_US);
             for record in records {
                 match record {
                     KeptRecord::Line(event) => writer.line(&event),
@@ -307,15 +221,17 @@ impl Live {
             if is_last {
                 break;
             }
-            part = recorder.next_kept(100);
+            part = self.recorder.next_kept(100);
         }
-        (writer.unwrap().finish(), self.updates)
+        let end = session::Event::new(EventKind::Bookmark, "the end");
+        writer.event(self.now, &end);
+        (writer.finish(), self.updates)
     }
 
-    fn complete(&mut self) {
-        self.run(ms(50));
-        self.write_notices();
-        let end = session::Event::new(EventKind::Bookmark, "the end");
-        self.writer.event(self.now, &end);
+    /// The session file, and every reply that the page got.
+    pub fn end_with_samples(self) -> (Vec<u8>, Vec<Sample>) {
+        let (file, updates) = self.end();
+        let samples = updates.iter().flat_map(|update| &update.samples);
+        (file, samples.copied().collect())
     }
 }

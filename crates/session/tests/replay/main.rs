@@ -1,11 +1,10 @@
 //! The replay of a session: against the live line, at any place, at any speed, and of damaged files.
 #![cfg(test)]
 
-mod against_live;
-mod compared;
 mod damage;
 mod driver;
 mod live;
+mod of_frames;
 mod packet_log;
 mod playing;
 mod random;

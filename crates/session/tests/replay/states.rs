@@ -41,8 +41,7 @@ fn command(dice: &mut Dice, model: Model) -> Command {
 /// Some seconds of a line with random commands and faults: its file, and what the page showed.
 fn stretch(model: Model, seed: u64) -> (Vec<u8>, Vec<Update>) {
     let mut dice = Dice::new(seed);
-    let mut live = Live::with_states(model);
-    live.watch();
+    let mut live = Live::of(model);
     for _ in 0..3 + dice.below(12) {
         if dice.below(8) == 0 {
             live.world.set_faults(dice.faults());
@@ -55,7 +54,7 @@ fn stretch(model: Model, seed: u64) -> (Vec<u8>, Vec<Update>) {
         let _: Result<(), _> = live.command(command(&mut dice, model));
         live.run(ms(dice.below(900)));
     }
-    live.save()
+    live.end()
 }
 
 /// What the replay has to show at this time.

@@ -1,0 +1,184 @@
+//! What frames tell of the motors, for records without states: packet logs as CSV, and files of earlier versions.
+
+use std::time::Duration;
+
+use motorlink_bus::{
+    Activity, Counters, LineEvent, LineEventKind, LineSamples, LineStatus, LinkQuality,
+    MotorStatus, Sample, TurnCounter, commanded_setpoint,
+};
+use motorlink_messages::{Connection, Update};
+use motorlink_protocol::{Detail, Instant, MotorId};
+
+use crate::record::{EventKind, What};
+
+/// A drive frame counts for so long: such frames come at least twice a second.
+const DRIVEN_FOR: Duration = Duration::from_millis(1_500);
+
+/// A motor that has not answered for so long is silent.
+const SILENT_AFTER: Duration = Duration::from_secs(2);
+
+/// The last replies and setpoints of the motors. What no frame tells is not known: limits, stops, a raw frame, a scan.
+#[derive(Debug, Default)]
+pub(super) struct OfFrames {
+    samples: LineSamples,
+    motors: Vec<Motor>,
+    is_connected: bool,
+}
+
+#[derive(Debug)]
+struct Motor {
+    status: MotorStatus,
+    turns: TurnCounter,
+    drove: Instant,
+}
+
+impl OfFrames {
+    /// Takes what happened, and adds the replies. Times must not decrease.
+    pub(super) fn add(&mut self, at: Instant, what: &What, samples: &mut Vec<Sample>) {
+        match what {
+            What::Line(kind) => {
+                self.is_connected = true;
+                self.line(at, *kind, samples);
+            }
+            What::Event(event) if event.kind == EventKind::Connected => self.is_connected = true,
+            What::Event(event) if event.kind == EventKind::Disconnected => {
+                *self = Self {
+                    samples: LineSamples::of(self.samples.model()),
+                    ..Self::default()
+                };
+            }
+            What::Event(_) | What::State(_) => {}
+        }
+    }
+
+    fn line(&mut self, at: Instant, kind: LineEventKind, samples: &mut Vec<Sample>) {
+        if let Some(sample) = self.samples.add_event(&LineEvent { at, kind }) {
+            self.motor(sample.reply.id).replied(sample);
+            samples.push(sample);
+        }
+        if let Some((frame, Some(mode))) = kind.sent()
+            && let Some((id, setpoint)) = commanded_setpoint(self.samples.model(), &frame, mode)
+        {
+            let motor = self.motor(id);
+            motor.status.activity = Activity::Driven { setpoint };
+            motor.drove = at;
+        }
+        if let LineEventKind::Silence { id, .. } = kind {
+            self.motor(id).missed(at);
+        }
+    }
+
+    fn motor(&mut self, id: MotorId) -> &mut Motor {
+        let known = self.motors.iter().position(|motor| motor.status.id == id);
+        let place = known.unwrap_or_else(|| {
+            self.motors.push(Motor::new(id));
+            self.motors.len() - 1
+        });
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "the place was found or made just above"
+        )]
+        &mut self.motors[place]
+    }
+
+    /// What every motor does at this time.
+    pub(super) fn activities(&self, at: Instant) -> impl Iterator<Item = (MotorId, Activity)> {
+        let motors = self.motors.iter();
+        motors.map(move |motor| (motor.status.id, motor.activity(at)))
+    }
+
+    /// The state at this time, which is not before the last record.
+    pub(super) fn update(&self, now: Instant) -> Update {
+        let mut motors: Vec<MotorStatus> = self
+            .motors
+            .iter()
+            .map(|motor| MotorStatus {
+                activity: motor.activity(now),
+                turns: motor.turns.turns(),
+                ..motor.status
+            })
+            .collect();
+        // In one order, wherever the replay has begun to read.
+        motors.sort_unstable_by_key(|motor| motor.id);
+        let line = LineStatus {
+            model: self.samples.model(),
+            model_known: true,
+            ..LineStatus::default()
+        };
+        Update {
+            now,
+            connection: Connection::Disconnected,
+            halted: false,
+            motors,
+            job: None,
+            raw: None,
+            line: self.is_connected.then_some(line),
+            samples: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+}
+
+impl Motor {
+    fn new(id: MotorId) -> Self {
+        Self {
+            status: MotorStatus {
+                id,
+                activity: Activity::Idle,
+                last: None,
+                speed: None,
+                current: None,
+                position: None,
+                temperature: None,
+                turns: None,
+                silent: false,
+                may_turn: false,
+                turns_unasked: false,
+                link: LinkQuality::default(),
+                counters: Counters::default(),
+            },
+            turns: TurnCounter::default(),
+            drove: Instant::ZERO,
+        }
+    }
+
+    fn replied(&mut self, sample: Sample) {
+        let Sample { at, reply } = sample;
+        self.turns.record(at, &reply);
+        let status = &mut self.status;
+        status.last = Some(sample);
+        status.silent = false;
+        status.counters.requests += 1;
+        status.counters.replies += 1;
+        status.speed = reply.speed.map(|speed| (at, speed)).or(status.speed);
+        status.current = reply
+            .current
+            .map(|current| (at, current))
+            .or(status.current);
+        match reply.detail {
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
+                status.position = Some((at, position));
+            }
+            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
+                status.temperature = Some((at, temperature));
+            }
+            Detail::Undetermined(_) => {}
+        }
+    }
+
+    fn missed(&mut self, at: Instant) {
+        let status = &mut self.status;
+        status.counters.requests += 1;
+        status.counters.silences += 1;
+        let last = status.last.map_or(Instant::ZERO, |last| last.at);
+        status.silent = at.since(last) >= SILENT_AFTER;
+    }
+
+    fn activity(&self, at: Instant) -> Activity {
+        if at.since(self.drove) <= DRIVEN_FOR {
+            self.status.activity
+        } else {
+            Activity::Idle
+        }
+    }
+}
