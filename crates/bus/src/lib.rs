@@ -13,7 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
-//! | know a recorded line | [`Observer`]; its samples alone: [`LineSamples`], [`CommandedValue`] |
+//! | know a recorded line | [`LineSamples`], [`TurnCounter`], [`CommandedValue`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
 //! [`check_position_switch`], [`needs_consent`] and others.

@@ -4,7 +4,9 @@
 
 use std::{collections::BTreeMap, fmt::Write};
 
-use motorlink_bus::{CommandedValue, LineEvent, LineEventKind, LineSamples, reported_current};
+use motorlink_bus::{
+    CommandedValue, LineEvent, LineEventKind, LineSamples, TurnCounter, Turns, reported_current,
+};
 use motorlink_protocol::{
     Acceleration, Detail, Drive, Faults, Instant, Mode, MotorId, Reply, Scaled,
     family::{Current, Request},
@@ -24,9 +26,7 @@ pub(crate) struct Motors {
 struct Motor {
     setpoint: Option<Setpoint>,
     replied: Option<Reply>,
-    /// The time of the last angle, and its degrees.
-    angle: Option<(Instant, f64)>,
-    turned_deg: f64,
+    turns: TurnCounter,
 }
 
 /// What the last drive frame says, in the loop that it is read in.
@@ -42,7 +42,7 @@ pub(crate) struct Reported {
     pub(crate) reply: Reply,
     current: Option<Current>,
     setpoint: Option<Setpoint>,
-    turns: Option<f64>,
+    turns: Option<Turns>,
     /// The previous faults, if they have changed.
     pub(crate) faults_changed: Option<Faults>,
 }
@@ -99,41 +99,18 @@ impl Motor {
         let before = self.replied.replace(reply);
         let faults_before = before.map_or(Faults::NONE, |before| before.faults);
         let changed = faults_before.byte() != reply.faults.byte();
+        self.turns.record(at, &reply);
+        let has_angle = !matches!(
+            reply.detail,
+            Detail::Temperature(_) | Detail::Undetermined(_)
+        );
         Reported {
             reply,
             current,
             setpoint: self.setpoint,
-            turns: self.turns(at, &reply),
+            turns: self.turns.turns().filter(|_| has_angle),
             faults_changed: changed.then_some(faults_before),
         }
-    }
-
-    /// The turns of the wheel at this reply: its own, or those since the first reply; `None` if it has no angle.
-    fn turns(&mut self, at: Instant, reply: &Reply) -> Option<f64> {
-        let degrees = match reply.detail {
-            Detail::Odometry { turns, position } => {
-                return Some(f64::from(turns) + f64::from(position.degrees()) / 360.0);
-            }
-            Detail::Drive { position } => position.degrees(),
-            Detail::Query { position, .. } => position.degrees(),
-            Detail::Temperature(_) | Detail::Undetermined(_) => return None,
-        };
-        // Without a speed it turned by the least of all rotations.
-        let rpm = reply.speed.map_or(0.0, |speed| f64::from(speed.rpm()));
-        self.turn_to(at, degrees.into(), rpm);
-        Some(self.turned_deg / 360.0)
-    }
-
-    /// Counts turns: of all rotations to the new angle, it selects the one that fits the speed. The reported angle
-    /// falls at positive speed; turns count up.
-    fn turn_to(&mut self, at: Instant, degrees: f64, rpm: f64) {
-        if let Some((before_at, before)) = self.angle {
-            let expected = 6.0 * rpm * at.since(before_at).as_secs_f64();
-            let turned = before - degrees;
-            let turns = ((expected - turned) / 360.0).round();
-            self.turned_deg += turned + 360.0 * turns;
-        }
-        self.angle = Some((at, degrees));
     }
 }
 
@@ -184,7 +161,7 @@ impl Reported {
         }
         if let Some(turns) = self.turns {
             // Writing to a string cannot fail.
-            let _ = write!(out, ",\"turns\":{turns:.4}");
+            let _ = write!(out, ",\"turns\":{:.3}", turns.number());
         }
         out.push_str(",\"mode\":\"");
         out.push_str(mode_name(mode));
@@ -290,7 +267,7 @@ mod tests {
         assert!(reported.faults_changed.is_none());
         assert_eq!(
             text(&reported),
-            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"current_raw":717,"position_deg":66.96,"turns":0.0000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
+            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"current_raw":717,"position_deg":66.96,"turns":0.000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
         );
         let reported = motors
             .add_event(&event(4, reply(0x1C00, -7, Layout::Query)))
@@ -298,20 +275,6 @@ mod tests {
         assert!(text(&reported).contains(
             r#""speed_rpm":-7,"current_a":0.175,"current_raw":717,"position_deg":0.0,"temperature_c":28,"#
         ));
-    }
-
-    #[test]
-    fn turns_are_counted_by_angle_and_speed() {
-        let mut motors = Motors::default();
-        let mut last = None;
-        // 300 rpm are five turns a second; a reply each 150 ms is three quarters of a turn behind the one before.
-        for n in 0..=40_u64 {
-            // Quarters of a turn: full scale is 32,767.
-            let raw = [0, 8_192, 16_384, 24_575][usize::try_from(n % 4).unwrap()];
-            last = motors.add_event(&event(150 * n, reply(raw, 300, Layout::Drive)));
-        }
-        let turns = last.unwrap().turns.unwrap();
-        assert!((turns - 30.0).abs() < 0.01, "{turns}");
     }
 
     #[test]
