@@ -191,11 +191,11 @@ fn the_samples_of_recorded_events_are_those_of_the_bus() {
             fixture.run(ms(150));
             fixture.command(Command::Stop(ID)).unwrap();
             fixture.run(ms(2_000));
-            let mut line = LineSamples::default();
+            let mut reader = LineSamples::default();
             let (mut recorded, mut live) = (Vec::new(), Vec::new());
             for (_, event) in &fixture.events {
                 match event {
-                    Event::Line(event) => recorded.extend(line.add_event(event)),
+                    Event::Line(event) => recorded.extend(reader.add_event(event)),
                     Event::Telemetry(sample) => live.push(*sample),
                     _ => {}
                 }

@@ -19,7 +19,7 @@ fn at(millis: u64) -> Instant {
 
 fn sent(millis: u64, frame: &str) -> LineEvent {
     let frame = frame.parse().unwrap();
-    let mode = (frame == DRIVE.parse().unwrap()).then_some(motorlink_protocol::Mode::Velocity);
+    let mode = (frame == DRIVE.parse().unwrap()).then_some(Mode::Velocity);
     LineEvent {
         at: at(millis),
         kind: LineEventKind::Sent { frame, mode },

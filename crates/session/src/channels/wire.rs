@@ -219,22 +219,28 @@ pub(crate) fn read(data: &[u8]) -> Option<Content> {
 
 /// The members of one frame, collected in a single pass: an hour has millions of them.
 #[derive(Default)]
-#[allow(
-    clippy::struct_excessive_bools,
-    reason = "each is a member of the JSON object"
-)]
 struct Members<'a> {
     after_us: u64,
     tx: Option<bool>,
     not_sent: bool,
-    known: bool,
-    derived: bool,
-    junk: bool,
+    what: What,
     id: Option<u8>,
     silent_us: Option<u32>,
     mode: Option<Mode>,
     layout: Option<Layout>,
     hex: &'a str,
+}
+
+/// What the bytes are.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum What {
+    #[default]
+    Frame,
+    Junk,
+    /// What a motor was told, of a time of which only replies are left.
+    Known,
+    /// Of an earlier version: a frame that was on no wire.
+    Derived,
 }
 
 /// What a member of `frames` is.
@@ -260,9 +266,9 @@ fn read_members<'a>(frame: RawJsonValue<'a, '_>) -> Option<Members<'a>> {
                 }
             }
             "\"sent\"" => members.not_sent = raw == "false",
-            "\"known\"" => members.known = raw == "true",
-            "\"derived\"" => members.derived = raw == "true",
-            "\"junk\"" => members.junk = raw == "true",
+            "\"known\"" if raw == "true" => members.what = What::Known,
+            "\"derived\"" if raw == "true" => members.what = What::Derived,
+            "\"junk\"" if raw == "true" => members.what = What::Junk,
             "\"id\"" => members.id = raw.parse().ok(),
             "\"silent_us\"" => members.silent_us = raw.parse().ok(),
             "\"mode\"" => members.mode = mode_of(text),
@@ -283,12 +289,12 @@ fn read_members<'a>(frame: RawJsonValue<'a, '_>) -> Option<Members<'a>> {
 impl Members<'_> {
     fn kind(&self, model: Model) -> Event {
         let separate = model.has_separate_frames();
-        let kind = match self.derived {
+        let kind = match self.what {
             // Of a time of which only the recording was left, there is no frame before it.
-            true if separate && self.after_us == 0 => return Event::SaidBefore,
-            true if separate => None,
-            true => self.derived(),
-            false => self.of_the_line(),
+            What::Derived if separate && self.after_us == 0 => return Event::SaidBefore,
+            What::Derived if separate => None,
+            What::Derived => self.derived(),
+            What::Frame | What::Junk | What::Known => self.of_the_line(),
         };
         kind.map_or(Event::Unreadable, Event::Of)
     }
@@ -317,10 +323,10 @@ impl Members<'_> {
             return Some(LineEventKind::Silence { id, waited_us });
         }
         let (bytes, length) = bytes_of(self.hex)?;
-        if self.junk {
+        if self.what == What::Junk {
             return Some(LineEventKind::Junk(JunkBytes::new(bytes.get(..length)?)));
         }
-        if self.known {
+        if self.what == What::Known {
             let [high, low, ..] = bytes;
             let value = match length {
                 0 => None,

@@ -63,7 +63,9 @@ fn another_model_is_named_and_what_is_known_has_no_frame() {
         kind: LineEventKind::Known { id, mode, value },
     };
     let known = [known(Some([0xFE, 0x0C])), known(None)];
-    known.iter().for_each(|event| batch.push(event));
+    for event in &known {
+        batch.push(event);
+    }
     let (_, json) = batch.end().unwrap();
     let expected = concat!(
         r#"{"mono_us":7,"model":"ddsm210","frames":["#,

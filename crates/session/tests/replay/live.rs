@@ -148,7 +148,7 @@ impl Live {
             match self.bus.poll(self.now) {
                 Output::Transmit(frame) => self.world.transmit(self.now, frame.bytes()),
                 Output::Event(Event::PingPage) => self.bus.page_answered(self.now),
-                Output::Event(event) => self.happened(event),
+                Output::Event(event) => self.happened(&event),
                 Output::Wait(at) => {
                     assert!(at > self.now, "a busy loop");
                     return at;
@@ -186,10 +186,10 @@ impl Live {
         self.updates.push(update);
     }
 
-    fn happened(&mut self, event: Event) {
+    fn happened(&mut self, event: &Event) {
         match event {
-            Event::Line(line) => self.recorder.add_event(&line),
-            Event::Telemetry(sample) => self.update_samples.push(sample),
+            Event::Line(line) => self.recorder.add_event(line),
+            Event::Telemetry(sample) => self.update_samples.push(*sample),
             _ => {}
         }
     }

@@ -184,12 +184,12 @@ fn csv_has_the_frames_of_the_wire_and_the_units_of_a_person() {
             let session = open(&mut source).unwrap().unwrap();
             let (overview, _) = motorlink_session::overview(&mut source, &session).unwrap();
             let plot = rows(Table::of_plot(&overview), &records);
-            let told = plot.iter().filter_map(|row| {
+            let mut told = plot.iter().filter_map(|row| {
                 let loop_of = cell(row, "motor_1_setpoint_mode").parse::<u8>().ok()?;
                 let value = cell(row, "motor_1_unmirrored_setpoint");
                 Some((loop_of, value.parse::<f64>().unwrap()))
             });
-            let (loop_of, value) = told.last().unwrap();
+            let (loop_of, value) = told.next_back().unwrap();
             assert_eq!(loop_of, mode.byte(), "{model}");
             let expected = setpoint(mode).1;
             assert!((value - expected).abs() < 0.01, "{model} {mode}: {value}");
