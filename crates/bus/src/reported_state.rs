@@ -1,15 +1,11 @@
 //! What the bus refuses in the state that it reports, so that a control can say why before it is used.
 
-use motorlink_protocol::{
-    CurrentTarget, Instant, Mode, MotorId, OpenLoopTarget, PositionTarget, Rpm, Setpoint,
-    SpeedTarget, family::Model,
-};
+use motorlink_protocol::{Instant, Mode, MotorId, Rpm, family::Model};
 
 use crate::{
-    command::{Consent, Refusal},
-    limits::Limits,
+    command::Refusal,
     motor_status::{Activity, MotorStatus},
-    safety::{Known, check_drive, check_position_switch},
+    safety::{check_faults, check_loop, check_position_switch},
     timing::FRESH_FOR,
 };
 
@@ -60,13 +56,9 @@ impl ReportedState<'_> {
             Activity::Driven { setpoint } => fresh.map(|it| it.mode).or(Some(setpoint.mode())),
             Activity::Idle | Activity::DrivenRaw => fresh.map(|it| it.mode),
         };
-        let known = Known {
-            reported,
-            faults: fresh.map(|it| it.faults),
-            temperature: None,
-        };
-        let (none, limits) = (Consent::None, Limits::default());
-        check_drive(self.model, id, zero(mode), none, limits, known)
+        self.check_model(mode)?;
+        check_faults(id, fresh.map(|it| it.faults))?;
+        check_loop(id, mode, reported)
     }
 
     /// Whether a motor of a group can be driven in this loop.
@@ -89,10 +81,7 @@ impl ReportedState<'_> {
     /// What [`Command::SwitchMode`](crate::Command::SwitchMode) is refused for.
     pub fn check_switch(&self, id: MotorId, mode: Mode) -> Result<(), Refusal> {
         self.check_motion()?;
-        let model = self.model;
-        if !model.has(mode) {
-            return Err(Refusal::NoSuchLoop { model, mode });
-        }
+        self.check_model(mode)?;
         let motor = self.motor(id)?;
         if mode == Mode::Position {
             check_position_switch(id, self.fresh_speed(motor))?;
@@ -127,6 +116,15 @@ impl ReportedState<'_> {
         Ok(())
     }
 
+    fn check_model(&self, mode: Mode) -> Result<(), Refusal> {
+        let model = self.model;
+        if model.has(mode) {
+            Ok(())
+        } else {
+            Err(Refusal::NoSuchLoop { model, mode })
+        }
+    }
+
     fn motor(&self, id: MotorId) -> Result<&MotorStatus, Refusal> {
         let mut motors = self.motors.iter();
         let motor = motors.find(|motor| motor.id == id);
@@ -140,15 +138,5 @@ impl ReportedState<'_> {
 
     fn is_fresh(&self, at: Instant) -> bool {
         self.now.since(at) <= FRESH_FOR
-    }
-}
-
-/// A setpoint of this loop that no limit forbids.
-fn zero(mode: Mode) -> Setpoint {
-    match mode {
-        Mode::Velocity => Setpoint::velocity(SpeedTarget::ZERO),
-        Mode::Current => Setpoint::Current(CurrentTarget::ZERO),
-        Mode::Position => Setpoint::Position(PositionTarget::from_degrees(0.0)),
-        Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::ZERO),
     }
 }

@@ -140,17 +140,28 @@ pub(crate) fn check_drive(
     {
         return Err(Refusal::NeedsConsent(target));
     }
-    if let Some(faults) = faults.filter(|faults| faults.any_named()) {
-        return Err(Refusal::FaultActive { id, faults });
-    }
+    check_faults(id, faults)?;
     if let Some(exceeded) = limits.too_hot(temperature) {
         return Err(Refusal::TooHot { id, exceeded });
     }
+    check_loop(id, mode, reported)
+}
+
+/// Checks that a motor reports no fault.
+pub(crate) fn check_faults(id: MotorId, faults: Option<Faults>) -> Result<(), Refusal> {
+    match faults.filter(|faults| faults.any_named()) {
+        Some(faults) => Err(Refusal::FaultActive { id, faults }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a motor reports the loop that a setpoint is for.
+pub(crate) fn check_loop(id: MotorId, asked: Mode, reported: Option<Mode>) -> Result<(), Refusal> {
     match reported {
         None => Err(Refusal::NotAnswering(id)),
-        Some(reported) if reported != setpoint.mode() => Err(Refusal::OtherLoop {
+        Some(reported) if reported != asked => Err(Refusal::OtherLoop {
             id,
-            asked: setpoint.mode(),
+            asked,
             reported,
         }),
         Some(_) => Ok(()),

@@ -98,18 +98,18 @@ const PARTS: [Part; 18] = [
     part("shared", When::Behind, &["chunk"], 83_400),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
-    // all that it keeps to the session worker (2,000).
-    part("recorder", When::Behind, &["recorder-"], 93_600),
+    // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
+    part("recorder", When::Behind, &["recorder-"], 95_900),
     // It writes and reads session files, converts them, and explains each frame of them in the exported log. A replay
-    // takes 39,700: the state of the bus behind its replies, the rows of the packet log, and the player. A copy
-    // with bookmarks takes 9,000. The runs of experiments take 39,000: the browser's database, and the runs as JSON and
-    // back, with numbers that have a decimal point. 2,000 decompress and read faster: a jump is drawn 5 ms sooner. 4,600 are
-    // the rules of echoes and loops, which a replay applies as the bus does. 14,500 check a run against the steps of its study,
+    // takes 24,000: the states of the page, the rows of the packet log, and the player. A copy with bookmarks takes 9,000.
+    // The runs of experiments take 39,000: the browser's database, and the runs as JSON and
+    // back, with numbers that have a decimal point. 2,000 decompress and read faster: a jump is drawn 5 ms sooner.
+    // 14,500 check a run against the steps of its study,
     // thin it by motor and kind, and turn mirrored motors. 2,000 read files without chunks or an index, and CSV files that a
     // spreadsheet program has saved again. 1,900 write study and setup as objects, and refuse rows of motors that a run does
     // not have. 400 are the setup of a file, whose names a replay shows. 9,600 read what the page showed: every state that the
     // port worker sends.
-    part("session worker", When::Asked, &["sessions-"], 264_000),
+    part("session worker", When::Asked, &["sessions-"], 241_000),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     part("runs", When::Asked, &["runs-"], 83_900),
     part(
@@ -163,7 +163,7 @@ pub const DRIVING_GZIP_BYTES_MAX: usize = 379_400;
 /// runs of experiments in session files 45,000, the faster reading of files 4,000. Motors that keep their last command
 /// take 42,000 in all programs, and figures of experiments that hold up 38,000, with fitted models and rates 56,000. Files of
 /// other writers take 2,500.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_515_500;
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_495_500;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]
