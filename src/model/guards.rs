@@ -1,7 +1,7 @@
 //! Whether a control can be used now, and the reason if it cannot.
 //!
-//! The bus decides and refuses. `ReportedState` of its crate says beforehand what it refuses; the guards have the words,
-//! so that a button shows the reason before it is pressed.
+//! The bus decides and refuses. The guards repeat those of its rules that the page can check beforehand, so that
+//! a button shows the reason before it is pressed.
 
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
@@ -15,9 +15,31 @@ use crate::{
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection,
-    bus::{Activity, GroupError, GroupSetpoints, Refusal, ReportedState},
-    protocol::{Mode, MotorId, family::Model},
+    bus::{Activity, GroupError, GroupSetpoints, Refusal, check_position_switch},
+    protocol::{Mode, MotorId},
 };
+
+/// Why this motor cannot be commanded now.
+fn request_blocked_by(session: &Session, id: MotorId) -> Option<String> {
+    if let Some(reason) = blocked_by_connection(session.connection) {
+        return Some(reason.to_owned());
+    }
+    if session.halted {
+        return Some(terms::refusal(Refusal::Halted));
+    }
+    let reported = session.mode(id).filter(super::snapshot::Reading::is_fresh);
+    if session.job.is_some() {
+        return Some(terms::refusal(Refusal::JobRunning));
+    }
+    if reported.is_none() {
+        return blocked_by_silence(session, id)
+            .or_else(|| Some(terms::refusal(Refusal::NotAnswering(id))));
+    }
+    let mut activities = session.motors.iter().map(|motor| motor.activity);
+    activities
+        .any(|activity| activity == Activity::DrivenRaw)
+        .then(|| terms::refusal(Refusal::RawRunning))
+}
 
 /// That this motor is silent, or that its replies are corrupted: in the words of the notice.
 pub(crate) fn blocked_by_silence(session: &Session, id: MotorId) -> Option<String> {
@@ -25,83 +47,81 @@ pub(crate) fn blocked_by_silence(session: &Session, id: MotorId) -> Option<Strin
     silent.then(|| notice_texts::of_silence(&[id], session.garbled.contains(&id)).title)
 }
 
-fn blocked_by_connection(connection: Connection) -> Option<String> {
-    let reason = match connection {
-        Connection::Connected(Adapter::Recording) => replay::blocked(),
-        Connection::Connected(_) => return None,
+fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
+    match connection {
+        Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
+        Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
-            tr!("Not connected. Press Connect or Virtual motor.")
+            Some(tr!("Not connected. Press Connect or Virtual motor."))
         }
-        Connection::Connecting => tr!("Opening the port."),
-        Connection::Reconnecting(_) => tr!("The adapter is unplugged. Plug it back in."),
-    };
-    Some(reason.to_owned())
-}
-
-/// The state that decides about commands.
-fn reported(session: &Session) -> ReportedState<'_> {
-    ReportedState {
-        now: session.now,
-        model: session.line.map_or(Model::Ddsm115, |line| line.model),
-        halted: session.halted,
-        has_job: session.job.is_some(),
-        motors: &session.motors,
+        Connection::Connecting => Some(tr!("Opening the port.")),
+        Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it back in.")),
     }
 }
 
-/// A refusal in the words that name the button to press.
-fn words(session: &Session, refusal: Refusal) -> String {
-    let switches_to = |id| match session.motor(id)?.activity {
-        Activity::Switching { to } => Some(switching(id, to)),
-        _ => None,
-    };
-    let better = match refusal {
-        Refusal::NotAnswering(id) => blocked_by_silence(session, id),
-        Refusal::Switching(id) => switches_to(id),
-        Refusal::OtherLoop {
+/// What the motor has to finish first.
+fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
+    match activity {
+        Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
+        Activity::Switching { to } => Some(tr!(
+            "Motor {id} is switching to the {mode}.",
             id,
-            asked,
-            reported,
-        } => switches_to(id)
-            // A disabled button is no advice.
-            .or_else(|| switch_blocked_by(session, id, asked))
-            .or_else(|| {
-                Some(tr!(
-                    "Motor {id} is in the {reported}. Press Switch to {mode} first.",
-                    id,
-                    reported = terms::mode(reported),
-                    mode = terms::mode(asked)
-                ))
-            }),
-        _ => None,
-    };
-    better.unwrap_or_else(|| terms::refusal(refusal))
-}
-
-fn switching(id: MotorId, to: Mode) -> String {
-    tr!(
-        "Motor {id} is switching to the {mode}.",
-        id,
-        mode = terms::mode(to)
-    )
+            mode = terms::mode(to)
+        )),
+        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => None,
+    }
 }
 
 /// Why this motor cannot be driven in this loop now.
 pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    blocked_by_connection(session.connection).or_else(|| {
-        let refusal = reported(session).check_drive(id, mode).err()?;
-        Some(words(session, refusal))
+    // The bus sends the setpoint once the motor has switched.
+    blocked_by_motor(session, id, mode, Some(mode))
+}
+
+/// The same, of a motor that may be switching to the loop `next`.
+fn blocked_by_motor(
+    session: &Session,
+    id: MotorId,
+    mode: Mode,
+    next: Option<Mode>,
+) -> Option<String> {
+    if let Some(reason) = request_blocked_by(session, id) {
+        return Some(reason);
+    }
+    let activity = session.motor(id)?.activity;
+    let is_next = matches!(activity, Activity::Switching { to } if next == Some(to));
+    if !is_next && let Some(reason) = blocked_by_activity(id, activity) {
+        return Some(reason);
+    }
+    let faults = session.faults(id)?.value;
+    if faults.any_named() {
+        return Some(terms::refusal(Refusal::FaultActive { id, faults }));
+    }
+    let reported = session.mode(id)?.value;
+    if reported == mode || is_next {
+        return None;
+    }
+    // A disabled button is no advice.
+    switch_blocked_by(session, id, mode).or_else(|| {
+        Some(tr!(
+            "Motor {id} is in the {reported}. Press Switch to {mode} first.",
+            id,
+            reported = terms::mode(reported),
+            mode = terms::mode(mode)
+        ))
     })
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
 pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
     if let Some(reason) = blocked_by_connection(session.connection) {
-        return Some(reason);
+        return Some(reason.to_owned());
     }
-    let state = reported(session);
-    if let Err(refusal) = state.check_motion() {
-        return Some(terms::refusal(refusal));
+    if session.halted {
+        return Some(terms::refusal(Refusal::Halted));
+    }
+    if session.job.is_some() {
+        return Some(terms::refusal(Refusal::JobRunning));
     }
     if members.is_empty() {
         return Some(tr!("Select the motors to drive.").to_owned());
@@ -110,8 +130,8 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
         return Some(terms::not_together(GroupError::TooMany));
     }
     members.iter().find_map(|(id, _)| {
-        let refusal = state.check_member(*id, Mode::Velocity).err()?;
-        let reason = words(session, refusal);
+        // The bus starts no group with a motor that switches.
+        let reason = blocked_by_motor(session, *id, Mode::Velocity, None)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason
@@ -142,42 +162,43 @@ pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<S
 
 /// Why this motor's loop cannot be changed to this one now.
 pub(crate) fn switch_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    if let Some(reason) = blocked_by_connection(session.connection) {
+    // A key asks for any loop.
+    let model = session.line.map(|line| line.model);
+    if let Some(model) = model.filter(|model| !model.has(mode)) {
+        return Some(terms::refusal(Refusal::NoSuchLoop { model, mode }));
+    }
+    if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
-    let known = session.mode(id).filter(super::snapshot::Reading::is_fresh);
-    let refusal = match reported(session).check_switch(id, mode) {
-        // The bus would switch it, and could not confirm that.
-        Ok(()) | Err(Refusal::SpeedUnknown(_)) if known.is_none() => {
-            Some(Refusal::NotAnswering(id))
-        }
-        checked => checked.err(),
-    };
-    if let Some(refusal) = refusal {
-        return Some(words(session, refusal));
+    if let Some(reason) = blocked_by_activity(id, session.motor(id)?.activity) {
+        return Some(reason);
     }
-    if let Activity::Switching { to } = session.motor(id)?.activity {
-        return Some(switching(id, to));
-    }
-    (known?.value == mode).then(|| {
-        tr!(
+    if session.mode(id)?.value == mode {
+        return Some(tr!(
             "The motor is already in the {mode}.",
             mode = terms::mode(mode)
-        )
-    })
+        ));
+    }
+    if mode != Mode::Position {
+        return None;
+    }
+    let speed = session.speed(id).filter(super::snapshot::Reading::is_fresh);
+    let speed = speed.map(|reading| reading.value);
+    check_position_switch(id, speed).err().map(terms::refusal)
 }
 
 /// Why this motor cannot be stopped by its own button. "Stop all motors" can always be pressed.
 pub(crate) fn stop_blocked_by(session: &Session) -> Option<String> {
-    blocked_by_connection(session.connection)
+    blocked_by_connection(session.connection).map(str::to_owned)
 }
 
 /// Why a scan cannot start. Driven motors do not prevent it: the scan stops them first.
 pub(crate) fn scan_blocked_by(session: &Session) -> Option<String> {
-    blocked_by_connection(session.connection).or_else(|| {
-        let refusal = reported(session).check_scan().err()?;
-        Some(terms::refusal(refusal))
-    })
+    if let Some(reason) = blocked_by_connection(session.connection) {
+        return Some(reason.to_owned());
+    }
+    let job_runs = session.job.is_some();
+    job_runs.then(|| terms::refusal(Refusal::JobRunning))
 }
 
 /// Why no scan can be cancelled.
@@ -190,10 +211,8 @@ pub(crate) fn cancel_blocked_by(session: &Session) -> Option<String> {
 
 /// Why a raw frame cannot be sent. While all motors are stopped, only frames that move nothing can be.
 pub(crate) fn send_blocked_by(session: &Session, hazardous: bool) -> Option<String> {
-    blocked_by_connection(session.connection).or_else(|| {
-        let refusal = reported(session).check_raw(hazardous).err()?;
-        Some(terms::refusal(refusal))
-    })
+    scan_blocked_by(session)
+        .or_else(|| (hazardous && session.halted).then(|| terms::refusal(Refusal::Halted)))
 }
 
 /// Why a setup cannot be imported: it changes sides and groups, which must not change while a motor is

@@ -5,7 +5,7 @@
 //! | to | see |
 //! |---|---|
 //! | run the line | [`Bus::poll`], [`Bus::receive`], [`Output`] |
-//! | ask for something | [`Bus::command`], [`Command`]; why not: [`Refusal`], and before it is asked: [`ReportedState`] |
+//! | ask for something | [`Bus::command`], [`Command`]; why not: [`Refusal`] |
 //! | see what happened | [`Event`], [`Sample`], [`StopReport`], [`WithdrawReason`] |
 //! | show every motor | [`Bus::motors`], [`MotorStatus`], [`Activity`], [`LinkQuality`] |
 //! | bound what is asked | [`BusSettings`]: [`CommandRate`], [`Ramp`], [`Limits`]; [`Consent`] |
@@ -61,7 +61,6 @@ mod raw;
 mod receiver;
 mod replies;
 mod reply_window;
-mod reported_state;
 mod round_trip;
 mod safety;
 mod sample;
@@ -104,7 +103,6 @@ pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};
 pub use raw::status::{IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat};
-pub use reported_state::ReportedState;
 pub use round_trip::{ROUND_TRIP_BINS_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use sample::Sample;

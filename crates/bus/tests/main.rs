@@ -34,7 +34,6 @@ mod raw_set_id;
 mod raw_stopping;
 mod raw_to_all;
 mod refused_frames;
-mod reported_state;
 mod restarting;
 mod restarting_siblings;
 mod scanning;
