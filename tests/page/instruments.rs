@@ -3,7 +3,7 @@
 use js_sys::Date;
 use motorlink_messages::{
     Adapter, Connection, ToPage, Update,
-    bus::{Activity, MotorStatus, Sample},
+    bus::{Activity, MotorStatus, Sample, Turns},
     protocol::{
         Celsius, Current, Detail, Fault, Faults, Instant, Mode, MotorId, Position, Reply, Rpm,
     },
@@ -201,6 +201,7 @@ async fn position_is_told_in_degrees_raw_and_turns_and_mirrored() {
     let mut motor = standing();
     let there = Position::from_raw(8_191);
     motor.position = Some((Instant::from_millis(now_ms + 60_000), there));
+    motor.turns = Some(Turns::new(-1.25));
     report(&bench, motor, samples.collect());
     let position = || bench.text("status", "Position");
     bench

@@ -1,11 +1,11 @@
 //! What a recorded drive frame commands.
 
 use motorlink_protocol::{
-    Drive, Frame, Mode, MotorId, OpenLoopTarget, Position, Rpm, Setpoint,
+    Acceleration, Drive, Frame, Mode, MotorId, OpenLoopTarget, Position, Rpm, Setpoint,
     family::{Current, Model, Request},
 };
 
-use crate::model::units;
+use crate::{line_event::LineEventKind, model::units};
 
 /// The value of a drive frame in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +43,35 @@ pub fn commanded_setpoint(model: Model, frame: &Frame, mode: Mode) -> Option<(Mo
         }
         _ => None,
     }
+}
+
+/// The motor of which an event of a line tells what it is commanded, and its setpoint; none after a mode switch, or in a loop
+/// that is unknown. `None` for other events.
+#[must_use]
+pub fn setpoint_told(model: Model, kind: &LineEventKind) -> Option<(MotorId, Option<Setpoint>)> {
+    let (id, drive, mode) = if let LineEventKind::Known { id, mode, value } = *kind {
+        let acceleration = Acceleration::DEFAULT;
+        let brake = 0;
+        let drive = value.map(|value| Drive {
+            value,
+            acceleration,
+            brake,
+        });
+        (id, drive, Some(mode))
+    } else {
+        let (frame, mode) = kind.sent()?;
+        match Request::parse(model, &frame).ok()? {
+            Request::Drive { id, drive } => (id, Some(drive), mode),
+            // The setpoint before it was for another loop.
+            Request::SwitchMode { id, .. } => (id, None, None),
+            _ => return None,
+        }
+    };
+    let setpoint = drive.zip(mode).map(|(drive, mode)| {
+        let drive = units::in_bus_units(model, drive, mode);
+        drive.setpoint(mode)
+    });
+    Some((id, setpoint))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{Detail, Instant, Reply};
 
-/// After a longer time without an angle nobody knows how often the wheel has turned: the gap counts for nothing.
+/// How often the wheel turned in a longer time without an angle is unknown: such a gap counts for nothing.
 const GAP: Duration = Duration::from_secs(1);
 
 /// A count of turns, positive in the direction of positive speed.
@@ -40,8 +40,8 @@ impl Turns {
     }
 }
 
-/// Counts the turns of a motor by its replies: of a motor that counts them itself, its own since power-up, else since the
-/// first angle.
+/// Counts the turns of a motor by its replies, since the first angle. A motor with odometry counts them itself, since
+/// power-up: it has that number.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TurnCounter {
     track: Option<Track>,
@@ -178,7 +178,7 @@ mod tests {
         assert!(record(200, fine(180.0)).abs() < 0.001);
     }
 
-    /// Nobody knows what the wheel did in a silent minute.
+    /// What the wheel did in a silent minute is unknown.
     #[test]
     fn a_gap_counts_for_nothing() {
         let mut counter = TurnCounter::default();
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motor_that_counts_its_turns_is_believed() {
+    fn a_motor_with_odometry_has_the_turns_that_it_reports() {
         let mut counter = TurnCounter::default();
         let position = Position::from_raw(24_576);
         let odometry = Detail::Odometry {

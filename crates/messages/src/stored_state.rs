@@ -1,4 +1,4 @@
-//! The state of the page as it is stored: an [`Update`] whole, so that a replay shows what the page showed.
+//! The state of the page as it is stored: the bytes of an [`Update`], so that a replay shows what the page showed.
 
 use motorlink_bus::{JobStatus, LineStatus, MotorStatus, RawStatus, Sample};
 use motorlink_protocol::Instant;
@@ -86,14 +86,37 @@ pub fn read(stored: &[u8], at: Instant) -> Option<Update> {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{Activity, Counters, LinkQuality, Turns};
-    use motorlink_protocol::{Celsius, Current, Layout, MotorId, Position, Reply, Rpm, Setpoint};
+    use motorlink_bus::{Activity, Counters, LinkQuality, RawAnswer, RoundTripStatus, Turns};
+    use motorlink_protocol::{
+        AssignableId, Celsius, Current, Layout, MotorId, Position, Reply, Rpm, Setpoint,
+        family::Model,
+    };
 
     use super::*;
     use crate::{Adapter, Notice};
 
     fn at(millis: u64) -> Instant {
         Instant::from_millis(millis)
+    }
+
+    /// Counters with numbers from this one on.
+    fn counters(from: u64) -> Counters {
+        Counters {
+            requests: from,
+            replies: from + 1,
+            silences: from + 2,
+            bad_crcs: from + 3,
+            fragments: from + 4,
+            wrong_ids: from + 5,
+            late: from + 6,
+            not_asked: from + 7,
+            echoes_whole: from + 8,
+            echoes_cut: from + 9,
+            junk_bytes: from + 10,
+            level_bytes: from + 11,
+            text_bytes: from + 12,
+            blocks: from + 13,
+        }
     }
 
     /// What the page shows at 500 ms, with times that are so much later.
@@ -118,17 +141,48 @@ mod tests {
             silent: false,
             may_turn: true,
             turns_unasked: false,
-            link: LinkQuality::default(),
-            counters: Counters::default(),
+            link: LinkQuality {
+                command_hz: 51,
+                round_trip_us: Some(2_336),
+                loss_per_mille: Some(3),
+                late_per_mille: Some(4),
+            },
+            counters: counters(20),
         };
         Update {
             now: at(500 + later),
             connection: Connection::Connected(Adapter::Serial(None)),
             halted: true,
             motors: vec![motor],
-            job: None,
-            raw: None,
-            line: None,
+            job: Some(JobStatus::SettingId {
+                from: MotorId::FIRST,
+                to: AssignableId::new(MotorId::new(7).unwrap()).unwrap(),
+            }),
+            raw: Some(RawStatus {
+                frame,
+                count: 5,
+                sent: 4,
+                answered: 3,
+                running: true,
+                last: Some(RawAnswer::Silence { waited_us: 8_000 }),
+            }),
+            line: Some(LineStatus {
+                model: Model::Ddsm400,
+                model_known: true,
+                exchanges_hz: 60,
+                drive_per_mille: 61,
+                query_per_mille: 62,
+                other_per_mille: 63,
+                waiting_per_mille: 64,
+                late_hz: 65,
+                round_trip: RoundTripStatus {
+                    median_us: Some(66),
+                    p99_us: Some(67),
+                    histogram: std::array::from_fn(|bin| u16::try_from(68 + bin).unwrap()),
+                },
+                carries_hz: Some(90),
+                unaddressed: counters(100),
+            }),
             samples: vec![sample],
             notices: vec![Notice::MotorBack(MotorId::FIRST)],
         }
@@ -170,10 +224,14 @@ mod tests {
             0xA6, 0x1D, 0x01, 0x02, 0x01, 0x9A, 0x0B, 0x01, 0xC8, 0x01, 0x00, 0xCF, 0x2F, 0x00,
             0x00, 0x01, 0xE8, 0xAD, 0x1D, 0xC8, 0x01, 0x01, 0xD0, 0xB5, 0x1D, 0x9A, 0x0B, 0x01,
             0xB8, 0xBD, 0x1D, 0xCF, 0x2F, 0x01, 0xA0, 0xC5, 0x1D, 0x1F, 0x01, 0xA7, 0xC3, 0x01,
-            0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-            0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01, 0x80, 0xA6, 0x1D,
-            0x01, 0x02, 0x01, 0x9A, 0x0B, 0x01, 0xC8, 0x01, 0x00, 0xCF, 0x2F, 0x00, 0x00, 0x01,
-            0x0C, 0x01,
+            0x00, 0x01, 0x00, 0x33, 0x01, 0xA0, 0x12, 0x01, 0x03, 0x01, 0x04, 0x14, 0x15, 0x16,
+            0x17, 0x18, 0x19, 0x1A, 0x1B, 0x1C, 0x1D, 0x1E, 0x1F, 0x20, 0x21, 0x01, 0x02, 0x01,
+            0x07, 0x01, 0x01, 0x02, 0x02, 0xCD, 0x00, 0x64, 0x17, 0xCF, 0x00, 0x8F, 0x05, 0x04,
+            0x03, 0x01, 0x01, 0x04, 0xC0, 0x3E, 0x01, 0x03, 0x01, 0x3C, 0x3D, 0x3E, 0x3F, 0x40,
+            0x41, 0x01, 0x42, 0x01, 0x43, 0x44, 0x45, 0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C,
+            0x4D, 0x4E, 0x4F, 0x01, 0x5A, 0x64, 0x65, 0x66, 0x67, 0x68, 0x69, 0x6A, 0x6B, 0x6C,
+            0x6D, 0x6E, 0x6F, 0x70, 0x71, 0x01, 0x80, 0xA6, 0x1D, 0x01, 0x02, 0x01, 0x9A, 0x0B,
+            0x01, 0xC8, 0x01, 0x00, 0xCF, 0x2F, 0x00, 0x00, 0x01, 0x0C, 0x01,
         ];
         assert_eq!(store(state(0)), known);
     }

@@ -39,7 +39,7 @@ impl States {
         }
     }
 
-    /// Drops the states that had ended at this time.
+    /// Drops the states that another has replaced by this time.
     pub(crate) fn drop_before(&mut self, at: Instant) {
         while self.kept.get(1).is_some_and(|next| next.at <= at) {
             self.drop_oldest();

@@ -369,7 +369,8 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
         let start = 34_000_000 + second * 1_000;
         page.drive(start..start + 1_000);
         for part in 0..20 {
-            page.show(start + part * 50, 25);
+            // As long as that of four motors.
+            page.show(start + part * 50, 75);
         }
         page.pass(260);
     }

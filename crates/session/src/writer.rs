@@ -24,6 +24,10 @@ use crate::{
 /// A state is at most so much older than a record behind it: less than a replay looks back.
 const STATE_EVERY: Duration = Duration::from_secs(2);
 
+/// A line that is open has a record in a shorter time. If none came for so long, the page was closed, or its worker
+/// stood still.
+pub(crate) const STATE_HOLDS: Duration = Duration::from_secs(5);
+
 /// Writes a session file. The caller takes the bytes regularly ([`Writer::take`]). The writer keeps one chunk, the
 /// overview and the index: a few megabytes for an hour.
 #[derive(Debug)]
@@ -137,12 +141,14 @@ impl Writer {
 
     /// Adds what the page showed from this time on, as `motorlink_messages::stored_state` stores it.
     pub fn state(&mut self, at: Instant, stored: &[u8]) {
-        if let Some(mut update) = stored_state::read(stored, at) {
-            self.put_state(at, stored);
-            update.samples = Vec::new();
-            self.count(at, What::State(Box::new(update.clone())));
-            self.last_state = Some((at, update));
-        }
+        let Some(mut update) = stored_state::read(stored, at) else {
+            return;
+        };
+        self.put_state(at, stored);
+        self.overview.reach(at, utc_ns(self.zero_unix_us, at));
+        update.samples = Vec::new();
+        self.last = at;
+        self.last_state = Some((at, update));
     }
 
     fn put_state(&mut self, at: Instant, stored: &[u8]) {
@@ -155,12 +161,17 @@ impl Writer {
         container.message(*channel, log_ns, &state::message(at, stored));
     }
 
-    /// Writes the state again if it is old: a jump reads the last seconds only.
+    /// Writes the state again if it is old: a jump reads the last seconds only. Behind a gap it holds no more.
     fn repeat_state(&mut self, now: Instant) {
-        if let Some((at, update)) = &mut self.last_state
-            && now.since(*at) >= STATE_EVERY
+        if now.since(self.last) > STATE_HOLDS {
+            self.last_state = None;
+        }
+        if let Some((written, update)) = &mut self.last_state
+            && now.since(*written) >= STATE_EVERY
         {
-            *at = now;
+            *written = now;
+            // Its readings keep their times.
+            update.now = now;
             let stored = stored_state::store(update.clone());
             self.put_state(now, &stored);
         }

@@ -82,7 +82,9 @@ fn check_copy(form: &str, file: &[u8], expected: &[Record]) {
     let count = summary.stats.as_ref().unwrap().message_count;
     assert_eq!(count, messages, "{form}");
     let mut found = 0;
-    for chunk in &summary.chunk_indexes {
+    // A file may be cut between its last chunk and the index of that.
+    let has_index = |chunk: &&mcap::records::ChunkIndex| !chunk.message_index_offsets.is_empty();
+    for chunk in summary.chunk_indexes.iter().filter(has_index) {
         let indexes = summary.read_message_indexes(&copy, chunk).unwrap();
         found += indexes.values().map(Vec::len).sum::<usize>();
     }

@@ -74,6 +74,8 @@ impl PortOwner {
     /// Sets the port on which line events are posted to the recorder.
     pub(crate) fn connect_recorder(&mut self, port: MessagePort) {
         self.traffic.connect(port);
+        // It begins with the state of this moment.
+        self.outbox.touch();
     }
 
     pub(crate) fn now(&self) -> Instant {

@@ -13,7 +13,7 @@ use web_sys::MessagePort;
 
 use crate::scope::report;
 
-/// A log that is 50 ms old looks like one of now, and 20 messages a second cost nothing.
+/// A log that is 50 ms old looks like one of now, and 20 messages a second cost nothing. States go when the page gets them.
 const PERIOD: Duration = Duration::from_millis(50);
 
 /// Entries that wait until the recorder has started: 20 s of a busy line, in half a megabyte. Beyond

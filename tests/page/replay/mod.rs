@@ -191,8 +191,8 @@ async fn a_recorded_stop_of_all_motors_is_said_in_the_bar_and_opens_no_dialog() 
     };
     bench.until("the stop", is_said).await;
     assert!(bench.find_all("alertdialog", "Stopped").is_empty());
-    let position = bench.text("region", "Wheel");
-    assert!(position.contains("\u{2212}4.5 turns"), "{position}");
+    let turns = || bench.text("region", "Wheel").contains("\u{2212}4.5 turns");
+    bench.until("the turns", turns).await;
 }
 
 #[wasm_bindgen_test]

@@ -1,7 +1,6 @@
 //! Line events as earlier versions saved them.
 //!
-//! Beside each frame in separate frames they have the same as a frame of a DDSM115. The frame says more, so that one is
-//! left out.
+//! Each frame of a model with separate frames is followed by a frame of a DDSM115 that repeats it, and is left out here.
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, family::Model};
@@ -27,7 +26,7 @@ enum Kind {
         _frame: Frame,
         _mode: Option<Mode>,
     },
-    /// Its layouts are one more than those of now.
+    /// An earlier `Layout` had a third value, so it is read as a number.
     Reading {
         _frame: Frame,
         _asked: Option<u32>,

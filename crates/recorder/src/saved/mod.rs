@@ -1,6 +1,6 @@
 //! The saved session: the inputs of the recorder in files, to be replayed into another recorder.
 //!
-//! The files contain inputs, not state: line events, messages, clearings, and when recording began and
+//! The files contain inputs: line events, messages, what the page showed, clearings, and when recording began and
 //! ended. So files are only appended to, never rewritten.
 //!
 //! | file | what it holds |

@@ -101,12 +101,18 @@ pub struct Mark {
 }
 
 impl Overview {
+    /// The session reaches this time. Returns its first.
+    pub(crate) fn reach(&mut self, at: Instant, utc_ns: u64) -> Instant {
+        let (first, _) = *self.first.get_or_insert((at, utc_ns));
+        if self.last.is_none_or(|(last, _)| at >= last) {
+            self.last = Some((at, utc_ns));
+        }
+        first
+    }
+
     /// Takes the next record.
     pub fn add(&mut self, record: &Record) {
-        let (first, _) = *self.first.get_or_insert((record.at, record.utc_ns));
-        if self.last.is_none_or(|(last, _)| record.at >= last) {
-            self.last = Some((record.at, record.utc_ns));
-        }
+        let first = self.reach(record.at, record.utc_ns);
         let after = record.at.since(first);
         match &record.what {
             What::Line(kind) => {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, Counters, LineEvent, LineEventKind, LineSamples, LineStatus, LinkQuality,
-    MotorStatus, Sample, TurnCounter, commanded_setpoint,
+    MotorStatus, Sample, TurnCounter, setpoint_told,
 };
 use motorlink_messages::{Connection, Update};
 use motorlink_protocol::{Detail, Instant, MotorId};
@@ -56,11 +56,10 @@ impl OfFrames {
             self.motor(sample.reply.id).replied(sample);
             samples.push(sample);
         }
-        if let Some((frame, Some(mode))) = kind.sent()
-            && let Some((id, setpoint)) = commanded_setpoint(self.samples.model(), &frame, mode)
-        {
+        if let Some((id, setpoint)) = setpoint_told(self.samples.model(), &kind) {
+            let driven = setpoint.map(|setpoint| Activity::Driven { setpoint });
             let motor = self.motor(id);
-            motor.status.activity = Activity::Driven { setpoint };
+            motor.status.activity = driven.unwrap_or(Activity::Idle);
             motor.drove = at;
         }
         if let LineEventKind::Silence { id, .. } = kind {

@@ -7,7 +7,7 @@ use motorlink_messages::{Adapter, Connection, Update, sessions::ActivityChange};
 use motorlink_protocol::{Instant, MotorId};
 
 use super::of_frames::OfFrames;
-use crate::record::What;
+use crate::{record::What, writer::STATE_HOLDS};
 
 /// Changes that are kept: as many as the frames of a minute with a ramp, of which each has another setpoint.
 const ACTIVITIES_MAX: usize = 36_000;
@@ -20,6 +20,8 @@ pub(super) struct State {
     has_stored_samples: bool,
     /// What the frames tell of the motors, before the first state.
     of_frames: OfFrames,
+    /// The time of the last record.
+    last: Instant,
     /// The replies since they were taken.
     pub(super) samples: Vec<Sample>,
     /// What the motors do, if its changes are kept.
@@ -65,6 +67,7 @@ impl State {
             stored: None,
             has_stored_samples: false,
             of_frames: OfFrames::default(),
+            last: Instant::ZERO,
             samples: Vec::new(),
             activities: None,
         }
@@ -83,6 +86,8 @@ impl State {
 
     /// Takes what happened. Times must not decrease.
     pub(super) fn add(&mut self, at: Instant, what: &What) {
+        self.pass_gap(at);
+        self.last = at;
         match (what, &self.stored) {
             (What::State(update), _) => self.show(update),
             (_, None) => self.of_frames.add(at, what, &mut self.samples),
@@ -111,8 +116,23 @@ impl State {
         self.stored = Some(Box::new(Update { samples, ..state }));
     }
 
+    /// Without records the line is closed, and nothing is known of its motors.
+    fn pass_gap(&mut self, now: Instant) {
+        let Some(stored) = &mut self.stored else {
+            return;
+        };
+        if now.since(self.last) > STATE_HOLDS {
+            stored.motors.clear();
+            (stored.job, stored.raw, stored.line) = (None, None, None);
+            if let Some(kept) = &mut self.activities {
+                kept.note_all(self.last + STATE_HOLDS, &[]);
+            }
+        }
+    }
+
     /// The state at this time, which is not before the last record, and the replies since the last update.
     pub(super) fn update(&mut self, now: Instant) -> Update {
+        self.pass_gap(now);
         let stored = self.stored.as_deref();
         let shown = stored.map_or_else(|| self.of_frames.update(now), Clone::clone);
         Update {

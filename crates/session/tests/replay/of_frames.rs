@@ -1,7 +1,7 @@
 //! A session without states: what its frames tell is shown.
 
-use motorlink_bus::{Activity, Command, StopReason};
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_bus::{Activity, Command, LineEvent, LineEventKind, StopReason};
+use motorlink_protocol::{Instant, Layout, Mode, family::Model};
 use motorlink_session::{What, Writer, for_each_record, open};
 
 use crate::{
@@ -63,4 +63,28 @@ fn replies_turns_and_setpoints_are_those_of_the_page() {
         assert!(end.motors[1].silent && !end.motors[0].silent);
         assert!(end.motors[1].counters.silences > 0);
     }
+}
+
+/// Where the log has no frames any more, the recording has what motors were told.
+#[test]
+fn a_setpoint_that_only_the_recording_has_is_shown() {
+    let mut writer = Writer::new(ZERO_US, &[]);
+    let at = Instant::from_millis;
+    let value = Some(50_i16.to_be_bytes());
+    let mode = Mode::Velocity;
+    let known = LineEventKind::Known {
+        id: id(1),
+        mode,
+        value,
+    };
+    let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+    let asked = Some(Layout::Drive);
+    let received = LineEventKind::Received { frame, asked };
+    for (at, kind) in [(at(10), known), (at(11), received), (at(900), received)] {
+        writer.line(&LineEvent { at, kind });
+    }
+    let file = writer.finish();
+    let setpoint = rpm(50);
+    let shown = Replay::of(&file).seek(at(900)).motors[0];
+    assert_eq!(shown.activity, Activity::Driven { setpoint });
 }

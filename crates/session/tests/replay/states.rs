@@ -2,13 +2,20 @@
 
 use std::env;
 
-use motorlink_bus::{BusSettings, Command, Consent, Limits, Repeat, Sample};
-use motorlink_messages::{Adapter, Connection, Update, sessions::FromReplay};
+use motorlink_bus::{
+    BusSettings, Command, Consent, Limits, LineEvent, LineEventKind, Repeat, Sample,
+};
+use motorlink_messages::{
+    Adapter, Connection, Update,
+    sessions::{FromReplay, ToReplay},
+    stored_state,
+};
 use motorlink_protocol::{Instant, Request, family::Model};
+use motorlink_session::Writer;
 
 use crate::{
     driver::{Replay, updates},
-    live::{Live, id, ms},
+    live::{Live, ZERO_US, id, ms},
     random::Dice,
 };
 
@@ -148,4 +155,51 @@ fn playing_shows_every_reply_once_and_every_state() {
         let jumped = |message: &FromReplay| matches!(message, FromReplay::Jumped);
         assert!(!replay.messages.iter().any(jumped));
     });
+}
+
+/// A line whose last update is at 1 s, and which has a query at these times in milliseconds.
+fn silent_page(queries: impl IntoIterator<Item = u64>) -> Vec<u8> {
+    let live = Live::of(Model::Ddsm115).end().1;
+    let last = live.last().unwrap();
+    let update = Update {
+        now: Instant::from_millis(1_000),
+        ..last.clone()
+    };
+    let mut writer = Writer::new(ZERO_US, &[]);
+    writer.state(update.now, &stored_state::store(update));
+    let frame = Request::Query { id: id(1) }.frame();
+    let kind = LineEventKind::Sent { frame, mode: None };
+    for millis in queries {
+        let at = Instant::from_millis(millis);
+        writer.line(&LineEvent { at, kind });
+    }
+    writer.finish()
+}
+
+/// A page that hangs gets no updates: its readings grow old.
+#[test]
+fn a_state_that_is_written_again_keeps_its_times() {
+    let file = silent_page((1_000..21_000).step_by(200));
+    let mut replay = Replay::of(&file);
+    let speed = |update: Update| update.motors[0].speed.unwrap().0;
+    let first = speed(replay.seek(Instant::from_millis(1_100)));
+    for millis in [2_950, 3_050, 20_900] {
+        let shown = replay.seek(Instant::from_millis(millis));
+        assert_eq!(speed(shown), first, "{millis}");
+    }
+}
+
+#[test]
+fn a_state_ends_where_records_cease() {
+    let file = silent_page([1_200, 1_400, 3_600_000, 3_600_200]);
+    let mut replay = Replay::of(&file);
+    for (millis, motors) in [(6_300, 2), (6_500, 0), (3_599_000, 0), (3_600_100, 0)] {
+        let shown = replay.seek(Instant::from_millis(millis));
+        assert_eq!(shown.motors.len(), motors, "{millis}");
+    }
+    replay.ask(ToReplay::Seek { after_us: 0 });
+    replay.play(100_000);
+    replay.run(ms(2_000));
+    let (place, update) = replay.last();
+    assert!(place.after_us > 100_000_000 && update.motors.is_empty());
 }
