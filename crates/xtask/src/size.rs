@@ -109,7 +109,7 @@ const PARTS: [Part; 18] = [
     // spreadsheet program has saved again. 1,900 write study and setup as objects, and refuse rows of motors that a run does
     // not have. 400 are the setup of a file, whose names a replay shows. 9,600 read what the page showed: every state that the
     // port worker sends.
-    part("session worker", When::Asked, &["sessions-"], 241_000),
+    part("session worker", When::Asked, &["sessions-"], 242_000),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     part("runs", When::Asked, &["runs-"], 83_900),
     part(
