@@ -17,7 +17,7 @@ pub const SEGMENT_BYTES_MAX: usize = 2 << 20;
 
 /// Bytes of packets before the oldest file is removed: a million entries of 19 bytes, which are 1 for the
 /// kind, 5 for the time and 13 for a frame with its layout, and the states of four motors in the same time.
-pub const PACKETS_BYTES_MAX: usize = 46_000_000;
+pub const PACKETS_BYTES_MAX: usize = 48_000_000;
 
 /// Bytes of line events in a block: half of its maximum.
 const BATCH_BYTES: usize = 1 << 15;
