@@ -1,6 +1,6 @@
 //! What the page shows: the states in the file, or where it has none, what the frames tell.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::{Activity, Sample};
 use motorlink_messages::{Adapter, Connection, Update, sessions::ActivityChange};
@@ -8,6 +8,9 @@ use motorlink_protocol::{Instant, MotorId};
 
 use super::of_frames::OfFrames;
 use crate::{record::What, writer::STATE_HOLDS};
+
+/// Replies are in an update after at most 50 ms.
+const UPDATE_WITHIN: Duration = Duration::from_millis(60);
 
 /// Changes that are kept: as many as the frames of a minute with a ramp, of which each has another setpoint.
 const ACTIVITIES_MAX: usize = 36_000;
@@ -104,6 +107,11 @@ impl State {
     }
 
     fn show(&mut self, update: &Update) {
+        if self.stored.is_none() {
+            // The first states have the replies of this time too, and only those that the bus took.
+            let before = update.now - UPDATE_WITHIN;
+            self.samples.retain(|sample| sample.at < before);
+        }
         if let Some(first) = update.samples.first()
             && !std::mem::replace(&mut self.has_stored_samples, true)
         {
