@@ -125,7 +125,7 @@ fn check_passes_a_good_file_and_fails_a_damaged_one() {
     let text = fixture.prints(&["check", "run.mcap"]);
     assert_eq!(
         text,
-        "40 entries of the line and 1 events read\nno damage found\n"
+        "40 entries of the line, 1 events and 0 states of the page read\nno damage found\n"
     );
     let mut bytes = fs::read(fixture.path("run.mcap")).unwrap();
     bytes.truncate(bytes.len() - 100);
