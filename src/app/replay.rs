@@ -58,7 +58,10 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
                 history.update_value(|history| history.recall_goals(changes));
             }
             Show::Rows(rows) => features.log.take(rows.clone()),
-            Show::Close => features.update(&state(features.page.now(), Connection::Disconnected)),
+            Show::Close => features.update(&Update::without_motors(
+                features.page.now(),
+                Connection::Disconnected,
+            )),
             Show::End => {
                 if let Some(live) = live.take() {
                     features.show_live(live, rover);
@@ -75,21 +78,6 @@ fn show_names(page: Page, names: NamesAndSides) {
     page.show();
 }
 
-/// A line without motors.
-const fn state(now: Instant, connection: Connection) -> Update {
-    Update {
-        now,
-        connection,
-        halted: false,
-        motors: Vec::new(),
-        job: None,
-        raw: None,
-        line: None,
-        samples: Vec::new(),
-        notices: Vec::new(),
-    }
-}
-
 impl Features {
     fn set_live_aside(self) -> Live {
         let page = self.page;
@@ -103,7 +91,7 @@ impl Features {
             tab: page.loops.tab.get_untracked(),
         };
         let recording = Connection::Connected(Adapter::Recording);
-        self.update(&state(page.now(), recording));
+        self.update(&Update::without_motors(page.now(), recording));
         live
     }
 

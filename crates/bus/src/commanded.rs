@@ -1,7 +1,7 @@
 //! What a recorded drive frame commands.
 
 use motorlink_protocol::{
-    Acceleration, Drive, Frame, Mode, MotorId, OpenLoopTarget, Position, Rpm, Setpoint,
+    Acceleration, Drive, Mode, MotorId, OpenLoopTarget, Position, Rpm, Setpoint,
     family::{Current, Model, Request},
 };
 
@@ -33,45 +33,31 @@ impl CommandedValue {
     }
 }
 
-/// The motor and the setpoint of a drive frame of this model, if the motor reads it in this loop; `None` for other frames.
+/// The setpoint of a drive frame for a motor of this model that reads it in this loop.
 #[must_use]
-pub fn commanded_setpoint(model: Model, frame: &Frame, mode: Mode) -> Option<(MotorId, Setpoint)> {
-    match Request::parse(model, frame) {
-        Ok(Request::Drive { id, drive }) => {
-            let drive = units::in_bus_units(model, drive, mode);
-            Some((id, drive.setpoint(mode)))
-        }
-        _ => None,
-    }
+pub fn commanded_setpoint(model: Model, drive: Drive, mode: Mode) -> Setpoint {
+    units::in_bus_units(model, drive, mode).setpoint(mode)
 }
 
-/// The motor of which an event of a line tells what it is commanded, and its setpoint; none after a mode switch, or in a loop
-/// that is unknown. `None` for other events.
+/// The motor that an event of a line commands, and its drive frame with the loop in which the motor reads it. There is none
+/// after a mode switch, or if the loop is unknown. `None` for an event that commands nothing.
 #[must_use]
-pub fn setpoint_told(model: Model, kind: &LineEventKind) -> Option<(MotorId, Option<Setpoint>)> {
-    let (id, drive, mode) = if let LineEventKind::Known { id, mode, value } = *kind {
-        let acceleration = Acceleration::DEFAULT;
-        let brake = 0;
+pub fn commanded(model: Model, kind: &LineEventKind) -> Option<(MotorId, Option<(Drive, Mode)>)> {
+    if let LineEventKind::Known { id, mode, value } = *kind {
         let drive = value.map(|value| Drive {
             value,
-            acceleration,
-            brake,
+            acceleration: Acceleration::DEFAULT,
+            brake: 0,
         });
-        (id, drive, Some(mode))
-    } else {
-        let (frame, mode) = kind.sent()?;
-        match Request::parse(model, &frame).ok()? {
-            Request::Drive { id, drive } => (id, Some(drive), mode),
-            // The setpoint before it was for another loop.
-            Request::SwitchMode { id, .. } => (id, None, None),
-            _ => return None,
-        }
-    };
-    let setpoint = drive.zip(mode).map(|(drive, mode)| {
-        let drive = units::in_bus_units(model, drive, mode);
-        drive.setpoint(mode)
-    });
-    Some((id, setpoint))
+        return Some((id, drive.zip(Some(mode))));
+    }
+    let (frame, mode) = kind.sent()?;
+    match Request::parse(model, &frame).ok()? {
+        Request::Drive { id, drive } => Some((id, Some(drive).zip(mode))),
+        // The value before it was for another loop.
+        Request::SwitchMode { id, .. } => Some((id, None)),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

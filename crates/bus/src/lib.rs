@@ -86,7 +86,7 @@ pub use bus::{Bus, Output};
 pub use carried_rate::CarriedRate;
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
 pub use command_kind::CommandKind;
-pub use commanded::{CommandedValue, commanded_setpoint, setpoint_told};
+pub use commanded::{CommandedValue, commanded, commanded_setpoint};
 pub use counters::{Counters, LinkQuality};
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
 pub use group::setpoints::{GroupError, GroupSetpoints};

@@ -255,10 +255,10 @@ fn a_file_with_more_steps_than_its_study_is_refused() {
     assert_eq!(run_from_json(&unordered).unwrap_err().place, "samples");
 }
 
-/// The largest file that is read: 16 motors, 400,000 replies, 100,000 steps and as many setpoints.
+/// The largest file that is read: 16 motors, 400,000 replies, 100,000 steps and as many setpoints. `cargo xtask experiments`
+/// shows what it prints.
 #[test]
-#[ignore = "prints figures; cargo xtask experiments runs it"]
-fn the_time_of_the_largest_run() {
+fn the_largest_run_is_read_back_and_evaluated() {
     let (_, mut header, _) = run();
     let ids = || (1..=16).map(|id| MotorId::new(id).unwrap());
     header.motors = ids().map(|id| (id, String::new())).collect();
@@ -303,6 +303,8 @@ fn the_time_of_the_largest_run() {
         text.len() / 1_000_000,
         now.elapsed()
     );
+    assert_eq!(record.samples().len(), 400_000);
+    assert!(run_to_json(&header, &record) == text, "another run");
     let now = std::time::Instant::now();
     let found = header
         .study()
@@ -311,8 +313,10 @@ fn the_time_of_the_largest_run() {
     println!("figures of a sequence in {:?}", now.elapsed());
     let now = std::time::Instant::now();
     let charts = charts(&found, &|byte| byte.to_string());
+    assert!(!charts.is_empty());
     println!("{} charts in {:?}", charts.len(), now.elapsed());
     let now = std::time::Instant::now();
     let svg = file(&charts, &|name| format!("{name:?}"));
+    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"));
     println!("{} kB of SVG in {:?}", svg.len() / 1_000, now.elapsed());
 }

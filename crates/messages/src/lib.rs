@@ -155,6 +155,24 @@ pub struct Update {
     pub notices: Vec<Notice>,
 }
 
+impl Update {
+    /// A line without motors, of which nothing else is known.
+    #[must_use]
+    pub const fn without_motors(now: Instant, connection: Connection) -> Self {
+        Self {
+            now,
+            connection,
+            halted: false,
+            motors: Vec::new(),
+            job: None,
+            raw: None,
+            line: None,
+            samples: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+}
+
 /// The state of the port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Connection {

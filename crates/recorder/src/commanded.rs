@@ -2,11 +2,8 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{CommandedValue, LineEvent, LineEventKind};
-use motorlink_protocol::{
-    Acceleration, Drive, Instant, Mode,
-    family::{Model, Request},
-};
+use motorlink_bus::{CommandedValue, LineEvent};
+use motorlink_protocol::{Acceleration, Drive, Instant, Mode, family::Model};
 
 /// How long a drive frame counts as the command of the host, whatever the motor does when frames cease. At the lowest command rate, 1 Hz, the next one comes after a second; the rest is for a delayed line.
 const COUNTS_FOR: Duration = Duration::from_millis(1_500);
@@ -51,23 +48,14 @@ impl Commands {
     /// Takes in an event of a line of this model. Only drive frames, mode switches and what is known count.
     #[inline(never)]
     pub(crate) fn add_event(&mut self, model: Model, event: &LineEvent) {
-        let (id, commanded) = if let LineEventKind::Known { id, mode, value } = event.kind {
-            (id, value.map(|value| Commanded { value, mode }))
-        } else {
-            let Some((frame, mode)) = event.kind.sent() else {
-                return;
-            };
-            match Request::parse(model, &frame) {
-                // Without its loop, a value has no unit.
-                Ok(Request::Drive { id, drive }) => {
-                    let value = drive.value;
-                    (id, mode.map(|mode| Commanded { value, mode }))
-                }
-                // The value before it was for another loop.
-                Ok(Request::SwitchMode { id, .. }) => (id, None),
-                _ => return,
-            }
+        let Some((id, told)) = motorlink_bus::commanded(model, &event.kind) else {
+            return;
         };
+        // Without its loop, a value has no unit.
+        let commanded = told.map(|(drive, mode)| {
+            let value = drive.value;
+            Commanded { value, mode }
+        });
         self.set(Last {
             address: id.get(),
             at: event.at,
@@ -111,6 +99,7 @@ impl Commands {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_bus::LineEventKind;
     use motorlink_protocol::{MotorId, Request, Rpm, Setpoint, SpeedTarget};
 
     use super::*;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, Bus, BusSettings, Command, CommandRate, Consent, Event, GroupSetpoints, LineEvent,
-    LineEventKind, Refusal, StopReason, Withheld, commanded_setpoint,
+    LineEventKind, Refusal, StopReason, Withheld, commanded, commanded_setpoint,
 };
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
@@ -256,16 +256,10 @@ impl Host {
             Event::Telemetry(sample) => Some(Input::Telemetry(*sample)),
             Event::Withdrawn { id, reason } => Some(Input::Withdrawn(*id, *reason)),
             Event::StopBegan(reason) => Some(Input::StopBegan(*reason)),
-            Event::Line(LineEvent {
-                at,
-                kind:
-                    LineEventKind::Sent {
-                        frame,
-                        mode: Some(mode),
-                    },
-            }) => {
-                let (id, setpoint) = commanded_setpoint(model, frame, *mode)?;
-                let at = *at;
+            Event::Line(LineEvent { at, kind }) if matches!(kind, LineEventKind::Sent { .. }) => {
+                let (id, told) = commanded(model, kind)?;
+                let (drive, mode) = told?;
+                let (at, setpoint) = (*at, commanded_setpoint(model, drive, mode));
                 Some(Input::Sent { at, id, setpoint })
             }
             _ => None,

@@ -12,7 +12,13 @@ const SEQUENCE_SEEDS: &str = "10000";
 /// Prints a row for each figure, runs the generated programs, and checks the files of a robot.
 pub fn show(workspace: &Workspace) -> Result<()> {
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
-    let tests = ["--test", "experiments", "--", "--ignored", "--nocapture"];
+    let tests = [
+        "--test",
+        "experiments",
+        "--",
+        "--include-ignored",
+        "--nocapture",
+    ];
     let mut figures = cargo::command(workspace, &[&package[..], &tests[..]].concat());
     process::run(figures.args(["figures::", "coverage::", "largest_run"]))?;
     let package = ["test", "--quiet", "--package", "motorlink-fault-simulation"];

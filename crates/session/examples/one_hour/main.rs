@@ -2,6 +2,7 @@
 //! `cargo xtask bench session`.
 
 mod line;
+mod page;
 mod replaying;
 mod saving;
 
@@ -17,7 +18,9 @@ use std::{
 
 use line::Line;
 use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_messages::stored_state;
 use motorlink_session::{Cursor, Next, Session, Source, Writer, for_each_record, open, overview};
+use page::Page;
 
 const HOUR: &str = "session of one hour at 500 exchanges a second";
 const ZERO_US: i64 = 1_795_266_936_962_000;
@@ -64,8 +67,9 @@ fn write_file(path: &Path) -> io::Result<(Sum, Duration)> {
     let mut file = File::create(path)?;
     let mut writer = Writer::new(ZERO_US, &[("page", "bench")]);
     let mut took = Duration::ZERO;
-    let mut events: Vec<LineEvent> = Vec::new();
-    let mut line = Line::new();
+    let mut events: Vec<(LineEvent, Option<Vec<u8>>)> = Vec::new();
+    let mut page = Page::new();
+    let mut line = Line::new().map(|event| (event, page.add(&event)));
     loop {
         // The simulator takes longer than the writer, and is not measured.
         events.clear();
@@ -73,12 +77,15 @@ fn write_file(path: &Path) -> io::Result<(Sum, Duration)> {
         if events.is_empty() {
             break;
         }
-        for event in &events {
+        for (event, _) in &events {
             sum.add(&event.kind);
         }
         let began = Instant::now();
-        for event in &events {
-            writer.line(event);
+        for (event, update) in events.drain(..) {
+            writer.line(&event);
+            if let Some((at, stored)) = update.and_then(stored_state::of_message) {
+                writer.state(at, &stored);
+            }
         }
         let bytes = writer.take();
         took += began.elapsed();

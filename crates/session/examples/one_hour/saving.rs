@@ -2,12 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::LineEvent;
 use motorlink_messages::sessions::{Kept, KeptRecord};
 use motorlink_recorder::{ENTRIES_MAX, Recorder, WallClock};
 use motorlink_session::Writer;
 
-use crate::{Line, millis, row, seconds};
+use crate::{Line, Page, millis, row, seconds};
 
 /// As in `crates/worker/src/recorder`.
 const PART: u64 = 2_000;
@@ -16,8 +15,12 @@ const PART: u64 = 2_000;
 pub fn measure() {
     let mut recorder = Recorder::new(WallClock::new(0.0, 0));
     let entries = usize::try_from(ENTRIES_MAX).unwrap_or(usize::MAX);
+    let mut page = Page::new();
     for event in Line::new().take(entries) {
         recorder.add_event(&event);
+        if let Some(update) = page.add(&event) {
+            recorder.add_state(update);
+        }
     }
     let mut writer: Option<Writer> = None;
     let (mut lines, mut bytes) = (0_u64, 0);
@@ -41,9 +44,13 @@ pub fn measure() {
         };
         let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &[("page", "bench")]));
         for record in records {
-            if let KeptRecord::Line(LineEvent { at, kind }) = record {
-                writer.line(&LineEvent { at, kind });
-                lines += 1;
+            match record {
+                KeptRecord::Line(event) => {
+                    writer.line(&event);
+                    lines += 1;
+                }
+                KeptRecord::State { at, stored } => writer.state(at, &stored),
+                KeptRecord::Message { .. } => {}
             }
         }
         bytes += writer.take().len();

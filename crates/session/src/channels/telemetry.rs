@@ -5,12 +5,10 @@
 use std::{collections::BTreeMap, fmt::Write};
 
 use motorlink_bus::{
-    CommandedValue, LineEvent, LineEventKind, LineSamples, TurnCounter, Turns, reported_current,
+    CommandedValue, LineEvent, LineEventKind, LineSamples, TurnCounter, Turns, commanded,
+    reported_current,
 };
-use motorlink_protocol::{
-    Acceleration, Detail, Drive, Faults, Instant, Mode, MotorId, Reply, Scaled,
-    family::{Current, Request},
-};
+use motorlink_protocol::{Detail, Faults, Instant, Mode, MotorId, Reply, Scaled, family::Current};
 use motorlink_recorder::digits::push_decimal;
 
 use super::{push_text, wire::mode_name};
@@ -51,46 +49,20 @@ impl Motors {
     /// Takes an event of the bus. Returns the telemetry if it is a reply that says something of the wheel.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         let sample = self.samples.add_event(event);
-        match event.kind {
-            LineEventKind::Sent { frame, mode }
-            | LineEventKind::SentByHand { frame, mode }
-            | LineEventKind::RepeatedByHand { frame, mode } => {
-                if let Ok(Request::Drive { id, drive }) =
-                    Request::parse(self.samples.model(), &frame)
-                {
-                    // Without its loop, a value has no unit.
-                    self.commanded(id, drive, mode);
-                }
-            }
-            LineEventKind::Known { id, mode, value } => {
-                let drive = |value| Drive {
-                    value,
-                    acceleration: Acceleration::DEFAULT,
-                    brake: 0,
-                };
-                let mode = value.map(|_| mode);
-                self.commanded(id, drive(value.unwrap_or_default()), mode);
-            }
-            LineEventKind::Received { frame, .. } => {
-                let reply = sample?.reply;
-                let current = reported_current(self.samples.model(), &frame);
-                let motor = self.motors.entry(reply.id).or_default();
-                return Some(motor.reported(event.at, reply, current));
-            }
-            LineEventKind::Junk(_)
-            | LineEventKind::Silence { .. }
-            | LineEventKind::NotSent { .. }
-            | LineEventKind::ModelSelected(_) => {}
-        }
-        None
-    }
-
-    fn commanded(&mut self, id: MotorId, drive: Drive, mode: Option<Mode>) {
         let model = self.samples.model();
-        self.motors.entry(id).or_default().setpoint = mode.map(|mode| Setpoint {
-            value: CommandedValue::of(model, drive, mode),
-            brakes: mode == Mode::Velocity && drive.brakes(),
-        });
+        if let Some((id, told)) = commanded(model, &event.kind) {
+            self.motors.entry(id).or_default().setpoint = told.map(|(drive, mode)| Setpoint {
+                value: CommandedValue::of(model, drive, mode),
+                brakes: mode == Mode::Velocity && drive.brakes(),
+            });
+        }
+        let LineEventKind::Received { frame, .. } = event.kind else {
+            return None;
+        };
+        let reply = sample?.reply;
+        let current = reported_current(model, &frame);
+        let motor = self.motors.entry(reply.id).or_default();
+        Some(motor.reported(event.at, reply, current))
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, Counters, LineEvent, LineEventKind, LineSamples, LineStatus, LinkQuality,
-    MotorStatus, Sample, TurnCounter, setpoint_told,
+    MotorStatus, Sample, TurnCounter, commanded, commanded_setpoint,
 };
 use motorlink_messages::{Connection, Update};
 use motorlink_protocol::{Detail, Instant, MotorId};
@@ -56,8 +56,11 @@ impl OfFrames {
             self.motor(sample.reply.id).replied(sample);
             samples.push(sample);
         }
-        if let Some((id, setpoint)) = setpoint_told(self.samples.model(), &kind) {
-            let driven = setpoint.map(|setpoint| Activity::Driven { setpoint });
+        let model = self.samples.model();
+        if let Some((id, told)) = commanded(model, &kind) {
+            let driven = told.map(|(drive, mode)| Activity::Driven {
+                setpoint: commanded_setpoint(model, drive, mode),
+            });
             let motor = self.motor(id);
             motor.status.activity = driven.unwrap_or(Activity::Idle);
             motor.drove = at;
@@ -105,15 +108,9 @@ impl OfFrames {
             ..LineStatus::default()
         };
         Update {
-            now,
-            connection: Connection::Disconnected,
-            halted: false,
             motors,
-            job: None,
-            raw: None,
             line: self.is_connected.then_some(line),
-            samples: Vec::new(),
-            notices: Vec::new(),
+            ..Update::without_motors(now, Connection::Disconnected)
         }
     }
 }
