@@ -6,10 +6,7 @@
 use std::cell::RefCell;
 
 use leptos::prelude::{Update as _, *};
-use motorlink_messages::{
-    Adapter, Connection, Update,
-    protocol::{Instant, MotorId},
-};
+use motorlink_messages::{Adapter, Connection, Update, protocol::MotorId};
 
 use crate::{
     app::features::Features,
