@@ -99,6 +99,8 @@ pub enum Command {
         #[arg(long, default_value_t = 1)]
         jobs: u8,
     },
+    /// Count the product code of src and of each crate: lines without tests, blanks and comments
+    Lines,
     /// Check the built page with Lighthouse, as a desktop and as a phone
     Lighthouse,
     /// Make screenshots of every screen, window, theme and language in `target/screenshots`; `docs` and `public`

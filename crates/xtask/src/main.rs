@@ -18,6 +18,7 @@ mod invariants;
 mod layers;
 mod libreoffice;
 mod lighthouse;
+mod lines;
 mod minify;
 mod mutants;
 mod npm;
@@ -110,6 +111,7 @@ fn run(command: Command) -> Result<()> {
         Command::Mutants { set, jobs } => mutants::show(&workspace, set, jobs),
         Command::Translations { check } => translations::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
+        Command::Lines => lines::show(&workspace),
         Command::Lighthouse => lighthouse::run(&workspace),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }
