@@ -9,9 +9,15 @@ use std::{
     path::Path,
 };
 
-use anyhow::{Context, Result, bail};
-use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use anyhow::{Context, Result, anyhow, bail};
+use petgraph::{algo::tarjan_scc, graphmap::DiGraphMap};
+use proc_macro2::{TokenStream, TokenTree};
+use serde_json::Value;
 
+use crate::bindgen::files_below;
+use crate::cargo;
+use crate::lines::{is_product, product};
+use crate::process;
 use crate::workspace::Workspace;
 
 /// The folders of `src/`, from the top down.
@@ -80,13 +86,22 @@ fn sources(workspace: &Workspace) -> Result<Vec<String>> {
 
 /// Reads every module in a folder, without its tests.
 fn uses_in(source: &Path) -> Result<Uses> {
-    let mut texts = BTreeMap::new();
-    read_modules(source, "", &mut texts)?;
+    let mut texts = BTreeMap::<String, String>::new();
+    for (path, content) in files_below(source)? {
+        if is_product(&path) {
+            let path = path.with_extension("");
+            let names = path.iter().map(|name| name.to_string_lossy());
+            let names = names.filter(|name| !matches!(name.as_ref(), "mod" | "lib" | "main"));
+            let module = names.collect::<Vec<_>>().join("::");
+            let text = String::from_utf8_lossy(&content);
+            let lines = product(&text).flat_map(|line| [line, "\n"]);
+            texts.entry(module).or_default().extend(lines);
+        }
+    }
     let mut uses = Uses::new();
     for (module, text) in &texts {
-        let tokens: TokenStream = text
-            .parse()
-            .map_err(|error| anyhow::anyhow!("{module}: {error}"))?;
+        let tokens = text.parse::<TokenStream>();
+        let tokens = tokens.map_err(|error| anyhow!("{module}: {error}"))?;
         let mut paths = Vec::new();
         paths_in(tokens, module, &mut paths);
         let others = paths.iter().filter_map(|path| module_of(path, &texts));
@@ -94,25 +109,6 @@ fn uses_in(source: &Path) -> Result<Uses> {
         uses.insert(module.clone(), others);
     }
     Ok(uses)
-}
-
-fn read_modules(folder: &Path, prefix: &str, texts: &mut BTreeMap<String, String>) -> Result<()> {
-    for entry in fs::read_dir(folder).with_context(|| format!("{}", folder.display()))? {
-        let path = entry?.path();
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let name = join(prefix, &stem);
-        if path.is_dir() {
-            read_modules(&path, &name, texts)?;
-        } else if path.extension().is_some_and(|end| end == "rs") && !stem.ends_with("tests") {
-            let module = match stem.as_ref() {
-                "mod" | "lib" | "main" => prefix.to_owned(),
-                _ => name,
-            };
-            let text = fs::read_to_string(&path).with_context(|| format!("{}", path.display()))?;
-            texts.entry(module).or_default().push_str(&text);
-        }
-    }
-    Ok(())
 }
 
 fn join(prefix: &str, name: &str) -> String {
@@ -125,64 +121,32 @@ fn join(prefix: &str, name: &str) -> String {
 
 /// The module of a crate that this path leads into.
 fn module_of(path: &str, texts: &BTreeMap<String, String>) -> Option<String> {
-    let mut path = path;
-    loop {
-        if texts.contains_key(path) && !path.is_empty() {
-            return Some(path.to_owned());
-        }
-        path = path.rsplit_once("::")?.0;
+    if texts.contains_key(path) && !path.is_empty() {
+        return Some(path.to_owned());
     }
+    module_of(path.rsplit_once("::")?.0, texts)
 }
 
 /// Every path in these tokens that begins with `crate`, `super` or `self`, from the crate's root. Macros are
-/// read as well; modules of tests are not.
+/// read as well.
 fn paths_in(tokens: TokenStream, module: &str, paths: &mut Vec<String>) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut at = 0;
     while let Some(token) = tokens.get(at) {
         at += 1;
-        match token {
-            TokenTree::Punct(hash)
-                if hash.as_char() == '#' && is_test_attribute(tokens.get(at)) =>
-            {
-                at = behind_item(&tokens, at + 1);
-            }
-            TokenTree::Group(group) => paths_in(group.stream(), module, paths),
-            TokenTree::Ident(ident) => {
-                let base = match ident.to_string().as_str() {
-                    "crate" => String::new(),
-                    "super" => parent(module).to_owned(),
-                    "self" => module.to_owned(),
-                    _ => continue,
-                };
-                if is_colons(&tokens, at) {
-                    at = path_from(&tokens, at + 2, &base, paths);
-                }
-            }
-            _ => {}
+        if let TokenTree::Group(group) = token {
+            paths_in(group.stream(), module, paths);
+        }
+        let base = match token.to_string().as_str() {
+            "crate" => "",
+            "super" => parent(module),
+            "self" => module,
+            _ => continue,
+        };
+        if is_colons(&tokens, at) {
+            at = path_from(&tokens, at + 2, base, paths);
         }
     }
-}
-
-/// `#[cfg(test)]` behind its `#`.
-fn is_test_attribute(token: Option<&TokenTree>) -> bool {
-    let Some(TokenTree::Group(group)) = token else {
-        return false;
-    };
-    group.stream().to_string().replace(' ', "") == "cfg(test)"
-}
-
-/// The place behind the item that begins here.
-fn behind_item(tokens: &[TokenTree], from: usize) -> usize {
-    let is_end = |token: &TokenTree| match token {
-        TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
-        TokenTree::Punct(punct) => punct.as_char() == ';',
-        _ => false,
-    };
-    let rest = tokens.get(from..).unwrap_or_default();
-    rest.iter()
-        .position(is_end)
-        .map_or(tokens.len(), |end| from + end + 1)
 }
 
 fn is_colons(tokens: &[TokenTree], at: usize) -> bool {
@@ -229,56 +193,32 @@ fn parent(module: &str) -> &str {
 
 /// Modules that use each other, directly or by others, each group once.
 fn cycles(uses: &Uses) -> Vec<Vec<&str>> {
-    let reachable = |from: &str| {
-        let mut seen = BTreeSet::new();
-        let mut open: Vec<&str> = vec![from];
-        while let Some(module) = open.pop() {
-            for used in uses.get(module).into_iter().flatten() {
-                if seen.insert(used.as_str()) {
-                    open.push(used);
-                }
-            }
-        }
-        seen
-    };
-    let targets: BTreeMap<&str, BTreeSet<&str>> = uses
-        .keys()
-        .map(|module| (module.as_str(), reachable(module)))
-        .collect();
-    let reaches = |from: &str, to: &str| targets.get(from).is_some_and(|seen| seen.contains(to));
-    let mut groups: Vec<Vec<&str>> = Vec::new();
-    for module in uses.keys().filter(|module| reaches(module, module)) {
-        let group = groups.iter_mut().find(|group| {
-            let one = group.first().copied().unwrap_or_default();
-            reaches(one, module) && reaches(module, one)
-        });
-        match group {
-            Some(group) => group.push(module),
-            None => groups.push(vec![module]),
-        }
-    }
+    let arrows = uses
+        .iter()
+        .flat_map(|(module, used)| used.iter().map(|used| (module.as_str(), used.as_str())));
+    let mut groups = tarjan_scc(&DiGraphMap::<&str, ()>::from_edges(arrows));
+    groups.retain(|group| group.len() > 1);
     groups
 }
 
 /// Arrows of the page that point up, or from one feature to another.
 fn upward_in_page(uses: &Uses) -> Vec<String> {
-    let layer = |module: &str| {
-        let folder = module.split("::").next().unwrap_or_default();
-        PAGE.iter().position(|layer| *layer == folder)
+    let place = |module: &str| {
+        let mut names = module.split("::");
+        let folder = names.next().unwrap_or_default();
+        let layer = PAGE.iter().position(|layer| *layer == folder)?;
+        let feature = names.next().filter(|_| folder == "features");
+        Some((layer, feature.map(ToOwned::to_owned)))
     };
-    let feature = |module: &str| module.split("::").nth(1).map(ToOwned::to_owned);
     let mut wrong = Vec::new();
-    for (module, used) in uses
-        .iter()
-        .flat_map(|(module, used)| used.iter().map(move |used| (module, used)))
-    {
-        let (Some(from), Some(to)) = (layer(module), layer(used)) else {
-            continue;
-        };
-        let to_other_feature =
-            PAGE.get(from) == Some(&"features") && from == to && feature(module) != feature(used);
-        if to < from || to_other_feature {
-            wrong.push(format!("src: {module} may not use {used}"));
+    for (module, used) in uses {
+        for used in used {
+            let (Some((from, feature)), Some((to, other))) = (place(module), place(used)) else {
+                continue;
+            };
+            if to < from || to == from && feature != other {
+                wrong.push(format!("src: {module} may not use {used}"));
+            }
         }
     }
     wrong
@@ -286,38 +226,34 @@ fn upward_in_page(uses: &Uses) -> Vec<String> {
 
 /// Each crate of ours with the crates of ours that it needs to run.
 fn dependencies(workspace: &Workspace) -> Result<Uses> {
-    let mut cargo = crate::process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args([
+    let args = [
         "metadata",
         "--format-version",
         "1",
         "--no-deps",
         "--offline",
-    ]);
-    let output = cargo.output().context("cannot start cargo metadata")?;
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout)?;
-    let list = |value: &serde_json::Value, key: &str| {
-        let list = value.get(key).and_then(serde_json::Value::as_array);
+    ];
+    let metadata = process::output(&mut cargo::command(workspace, &args))?;
+    let metadata: Value = serde_json::from_str(&metadata)?;
+    let list = |value: &Value, key| {
+        let list = value.get(key).and_then(Value::as_array);
         list.cloned().unwrap_or_default()
     };
-    let name = |value: &serde_json::Value| {
-        let name = value.get("name").and_then(serde_json::Value::as_str);
-        name.unwrap_or_default().to_owned()
-    };
+    let name = |value: &Value| value["name"].as_str().unwrap_or_default().to_owned();
     let packages = list(&metadata, "packages");
     let ours: BTreeSet<String> = packages.iter().map(name).collect();
-    let mut found = Uses::new();
-    for package in &packages {
-        let needs = list(package, "dependencies").into_iter();
-        let to_run = needs.filter(|need| need.get("kind").is_none_or(serde_json::Value::is_null));
-        let needed = to_run.map(|need| name(&need));
-        found.insert(
-            name(package),
-            needed.filter(|need| ours.contains(need)).collect(),
-        );
-    }
-    Ok(found)
+    let needed = |package: &Value| {
+        let needs = list(package, "dependencies");
+        let to_run = needs.iter().filter(|need| need["kind"].is_null());
+        to_run
+            .map(name)
+            .filter(|need| ours.contains(need))
+            .collect()
+    };
+    let with_needs = packages
+        .iter()
+        .map(|package| (name(package), needed(package)));
+    Ok(with_needs.collect())
 }
 
 fn upward_in_crates(needs: &Uses) -> Vec<String> {
@@ -375,16 +311,6 @@ mod tests {
     }
 
     #[test]
-    fn tests_may_use_what_they_like() {
-        let text = "#[cfg(test)] mod tests { use crate::x; } use crate::y;";
-        assert_eq!(paths(text), ["y"]);
-        assert_eq!(
-            paths("#[cfg(test)] #[path = \"t.rs\"] mod tests; use crate::y;"),
-            ["y"]
-        );
-    }
-
-    #[test]
     fn an_arrow_up_and_one_between_features_are_found() {
         let good = uses(&[
             ("app::x", "features::a::x"),
@@ -405,7 +331,9 @@ mod tests {
     #[test]
     fn files_that_use_each_other_are_found_once() {
         let found = uses(&[("a", "b"), ("b", "c"), ("c", "a"), ("c", "d")]);
-        assert_eq!(cycles(&found), [["a", "b", "c"]]);
+        let mut group = cycles(&found).concat();
+        group.sort_unstable();
+        assert_eq!(group, ["a", "b", "c"]);
         assert!(cycles(&uses(&[("a", "b"), ("a", "c"), ("b", "c")])).is_empty());
     }
 
