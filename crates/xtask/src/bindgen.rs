@@ -1,6 +1,7 @@
 //! Builds what a browser loads: cargo builds the wasm files, wasm-bindgen generates the modules and their
 //! JavaScript glue.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,43 +16,16 @@ use crate::site_file::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// A program that a browser loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Program {
-    /// What a person sees.
-    Page,
-    /// The worker that owns the port.
-    Worker,
-    /// The worker that keeps the packet log and the recording.
-    Recorder,
-    /// The worker that writes and reads session files.
-    Sessions,
-    /// The runs of experiments, in the thread of the port worker.
-    Runs,
-}
+/// The program of the page, which is split into parts.
+pub const PAGE: &str = "motorlink";
 
-impl Program {
-    /// The binary and the stem of its files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Page => "motorlink",
-            Self::Worker => "worker",
-            Self::Recorder => "recorder",
-            Self::Sessions => "sessions",
-            Self::Runs => "runs",
-        }
-    }
-}
+/// The programs that a browser loads, by the stem of their files: what a person sees, the worker that owns the port, the
+/// one that keeps packet log and recording, the one that writes and reads session files, and the runs of experiments in
+/// the thread of the port worker.
+pub const PROGRAMS: [&str; 5] = [PAGE, "worker", "recorder", "sessions", "runs"];
 
-/// The programs of the site.
-#[derive(Debug, Clone, Default)]
-pub struct Programs {
-    pub page: Module,
-    pub worker: Module,
-    pub recorder: Module,
-    pub sessions: Module,
-    pub runs: Module,
-}
+/// The modules of the programs, by their names.
+pub type Programs = BTreeMap<&'static str, Module>;
 
 /// The output of wasm-bindgen.
 #[derive(Debug, Clone, Default)]
@@ -75,23 +49,13 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
         cargo.args(["--no-default-features", "--features", "motorlink/parts"]);
     }
     process::run(cargo.args(["--profile", profile.cargo_name()]))?;
-    let bind = |program| bind(workspace, profile, program, &tools.bindgen);
-    Ok(Programs {
-        page: bind(Program::Page)?,
-        worker: bind(Program::Worker)?,
-        recorder: bind(Program::Recorder)?,
-        sessions: bind(Program::Sessions)?,
-        runs: bind(Program::Runs)?,
-    })
+    PROGRAMS
+        .into_iter()
+        .map(|name| Ok((name, bind(workspace, profile, name, &tools.bindgen)?)))
+        .collect()
 }
 
-fn bind(
-    workspace: &Workspace,
-    profile: Profile,
-    program: Program,
-    bindgen: &Path,
-) -> Result<Module> {
-    let name = program.name();
+fn bind(workspace: &Workspace, profile: Profile, name: &str, bindgen: &Path) -> Result<Module> {
     let built = workspace
         .target()
         .join(WASM_TARGET)
@@ -107,7 +71,7 @@ fn bind(
         fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
     }
 
-    let in_parts = program == Program::Page && profile == Profile::Release;
+    let in_parts = name == PAGE && profile == Profile::Release;
     let split = in_parts
         .then(|| parts::split(&built, &out.join("split")))
         .transpose()?;

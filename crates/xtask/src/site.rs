@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use motorlink_i18n::Language;
 
-use crate::bindgen::{self, Module, Program, Programs, files_below};
+use crate::bindgen::{self, PAGE, Programs, files_below};
 use crate::compression;
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
@@ -87,12 +87,9 @@ pub fn size_report(dir: &Path) -> Result<size::Report> {
                 let found = found.with_context(|| format!("no {}", path.display()))?;
                 Ok(usize::try_from(found.len())?)
             };
-            Ok(Weight {
-                raw_bytes: file.content.len(),
-                gzip_bytes: bytes_as(GZIP)?,
-                brotli_bytes: bytes_as(BROTLI)?,
-                path: file.path,
-            })
+            let bytes = [file.content.len(), bytes_as(GZIP)?, bytes_as(BROTLI)?];
+            let path = file.path;
+            Ok(Weight { path, bytes })
         })
         .collect();
     size::Report::new(&weights?)
@@ -126,11 +123,11 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let page_boot = files.add_boot(
         "page",
         &parts.page_boot,
-        Program::Page,
-        &parts.programs.page,
+        &parts.programs,
+        PAGE,
         &[("later_style", &later_style)],
     )?;
-    let runs = files.add_program(Program::Runs, &parts.programs.runs);
+    let runs = files.add_program(&parts.programs, "runs")?;
     let worker_boot = files.add_boot(
         "worker",
         &[
@@ -139,22 +136,22 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
             &parts.worker_boot,
         ]
         .concat(),
-        Program::Worker,
-        &parts.programs.worker,
+        &parts.programs,
+        "worker",
         &[("runs_wasm", &runs.wasm), ("runs_glue", &runs.glue)],
     )?;
     let recorder_boot = files.add_boot(
         "recorder",
         &parts.worker_boot,
-        Program::Recorder,
-        &parts.programs.recorder,
+        &parts.programs,
+        "recorder",
         &[],
     )?;
     let sessions_boot = files.add_boot(
         "sessions",
         &parts.worker_boot,
-        Program::Sessions,
-        &parts.programs.sessions,
+        &parts.programs,
+        "sessions",
         &[],
     )?;
     let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
@@ -204,8 +201,10 @@ impl Files {
         name
     }
 
-    fn add_program(&mut self, program: Program, module: &Module) -> Names {
-        let name = program.name();
+    fn add_program(&mut self, programs: &Programs, name: &str) -> Result<Names> {
+        let module = programs
+            .get(name)
+            .with_context(|| format!("{name} is not built"))?;
         let mut glue = module.glue.clone();
         if !module.snippets.is_empty() {
             let texts = module.snippets.iter().map(|(_, text)| text.as_slice());
@@ -220,14 +219,11 @@ impl Files {
             let hashed = self.add_hashed(stem, "wasm", wasm);
             glue = glue.replace(&format!("\"./{part}\""), &format!("\"./{hashed}\""));
         }
-        Names {
+        let glue = minify::glue(&glue);
+        Ok(Names {
             wasm: self.add_hashed(name, "wasm", &module.wasm),
-            glue: self.add_hashed(
-                &format!("{name}-glue"),
-                "js",
-                minify::glue(&glue).as_bytes(),
-            ),
-        }
+            glue: self.add_hashed(&format!("{name}-glue"), "js", glue.as_bytes()),
+        })
     }
 
     /// Adds a program and the script that starts it, which contains these other names too.
@@ -235,18 +231,15 @@ impl Files {
         &mut self,
         stem: &str,
         boot: &str,
-        program: Program,
-        module: &Module,
+        programs: &Programs,
+        program: &str,
         others: &[(&str, &str)],
     ) -> Result<String> {
-        let Names { wasm, glue } = self.add_program(program, module);
+        let Names { wasm, glue } = self.add_program(programs, program)?;
         let own = [("wasm", wasm.as_str()), ("glue", glue.as_str())];
         let boot = fill(boot, &[&own, others].concat())?;
-        Ok(self.add_hashed(
-            &format!("{stem}-boot"),
-            "js",
-            minify::script(&boot).as_bytes(),
-        ))
+        let boot = minify::script(&boot);
+        Ok(self.add_hashed(&format!("{stem}-boot"), "js", boot.as_bytes()))
     }
 }
 
@@ -293,19 +286,19 @@ fn write(dir: &Path, files: &[SiteFile]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bindgen::{Module, PROGRAMS};
 
     fn parts() -> Parts {
+        let page = Module {
+            glue: "import './snippets/lib-1/inline0.js'; fetch(\"./split_graph.wasm\");".to_owned(),
+            wasm: b"page".to_vec(),
+            parts: vec![("split_graph.wasm".to_owned(), b"graph".to_vec())],
+            snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
+        };
+        let mut programs: Programs = PROGRAMS.map(|name| (name, Module::default())).into();
+        programs.insert(PAGE, page);
         Parts {
-            programs: Programs {
-                page: Module {
-                    glue: "import './snippets/lib-1/inline0.js'; fetch(\"./split_graph.wasm\");"
-                        .to_owned(),
-                    wasm: b"page".to_vec(),
-                    parts: vec![("split_graph.wasm".to_owned(), b"graph".to_vec())],
-                    snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
-                },
-                ..Programs::default()
-            },
+            programs,
             page_boot: "{{wasm}} {{glue}} {{later_style}}".to_owned(),
             worker_boot: "{{wasm}} {{glue}}".to_owned(),
             adapters: "adapters".to_owned(),

@@ -5,46 +5,26 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
-/// When a part is fetched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum When {
-    /// Before the page can be used.
-    First,
-    /// Before a motor turns: the worker with its bus.
-    Driving,
-    /// Behind the first paint.
-    Behind,
-    /// When a person asks for it.
-    Asked,
-    /// In the background, so that the page works without a network.
-    Offline,
-}
+/// When a part is fetched: before the page can be used,
+const FIRST: &str = "first";
+/// before a motor turns (the worker with its bus),
+const DRIVING: &str = "to drive";
+/// behind the first paint,
+const BEHIND: &str = "behind the paint";
+/// when a person asks for it,
+const ASKED: &str = "when asked for";
+/// or in the background, so that the page works without a network.
+const OFFLINE: &str = "for offline use";
 
-impl When {
-    fn name(self) -> &'static str {
-        match self {
-            Self::First => "first",
-            Self::Driving => "to drive",
-            Self::Behind => "behind the paint",
-            Self::Asked => "when asked for",
-            Self::Offline => "for offline use",
-        }
-    }
-}
-
-/// A part of the site: the files whose names start so, and how much they may weigh compressed with gzip.
-struct Part {
-    name: &'static str,
-    when: When,
-    files: &'static [&'static str],
-    gzip_bytes_max: usize,
-}
+/// A part of the site: its name, when it is fetched, how the names of its files start, and how much they may weigh
+/// compressed with gzip.
+type Part = (&'static str, &'static str, &'static [&'static str], usize);
 
 /// Every file belongs to the first part that names it.
 const PARTS: [Part; 18] = [
-    part(
+    (
         "page",
-        When::First,
+        FIRST,
         &[
             "index.html",
             "page-boot-",
@@ -56,29 +36,29 @@ const PARTS: [Part; 18] = [
         // the browser and the kept runs takes 700.
         250_600,
     ),
-    part("style", When::First, &["style-"], 9_600),
+    ("style", FIRST, &["style-"], 9_600),
     // Its bus drives every model (4,300), and its virtual motors have the firmware of each (4,000). 4,300 load the program
     // of the runs into its thread, drive what that asks for as one group, and stop it. 15,000 are for motors that keep their
     // last command: what is remembered and stopped first, the standstill by speed and angle, stops of many motors that
     // alternate, echoes that are no replies, and a port that is slow to open or to close. 800 name text and blocks of bytes,
     // and stop again what a dead line left driven. 100 give each update to the recorder too.
-    part("worker", When::Driving, &["worker-"], 119_500),
+    ("worker", DRIVING, &["worker-"], 119_500),
     // With the notices and the tour, which were part of the first style, the names of motors, and the panel Session file
     // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
-    part("later style", When::Behind, &["later-style-"], 15_900),
+    ("later style", BEHIND, &["later-style-"], 15_900),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
     // takes over from a failed one, the target current in amps, and notices that were part of the first program.
-    part("desk", When::Behind, &["desk"], 132_500),
-    part("tools", When::Behind, &["tools"], 80_000),
+    ("desk", BEHIND, &["desk"], 132_500),
+    ("tools", BEHIND, &["tools"], 80_000),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep
     // them, and choose how much is saved.
-    part("seldom used", When::Asked, &["seldom"], 101_300),
+    ("seldom used", ASKED, &["seldom"], 101_300),
     // The panel Experiments: sequences with their table, studies with figures and charts, kept runs with their exports, and
     // programs in four languages. 4,000 keep the table for the next visit and bring a replaced one back, wait until a run is
     // stored, and disarm when a limit changes. 2,600 show the runs that were kept from a file or in another tab.
@@ -87,19 +67,19 @@ const PARTS: [Part; 18] = [
     // correlated noise, read the CSV files of spreadsheets, and describe a robot of any number of wheels. 16,000 say what
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording.
-    part("experiments", When::Asked, &["experiments"], 287_600),
-    part("help", When::Behind, &["help.", "help-"], 8_400),
+    ("experiments", ASKED, &["experiments"], 287_600),
+    ("help", BEHIND, &["help.", "help-"], 8_400),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
     // the panel Experiments has in common with the others. The choice of how much is saved takes 900, and
     // 900 read JSON faster. 3,500 are values that a reply may lack. 1,500 hold
     // the wheels and measures of a vehicle, which the export for ROS 2 needs too. 400 are what the round trips of the motors
     // say before a run. 200 find the separators of a CSV file.
-    part("shared", When::Behind, &["chunk"], 83_400),
+    ("shared", BEHIND, &["chunk"], 83_400),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
-    part("recorder", When::Behind, &["recorder-"], 95_900),
+    ("recorder", BEHIND, &["recorder-"], 95_900),
     // It writes and reads session files, converts them, and explains each frame of them in the exported log. A replay
     // takes 24,000: the states of the page, the rows of the packet log, and the player. A copy with bookmarks takes 9,000.
     // The runs of experiments take 39,000: the browser's database, and the runs as JSON and
@@ -109,50 +89,36 @@ const PARTS: [Part; 18] = [
     // spreadsheet program has saved again. 1,900 write study and setup as objects, and refuse rows of motors that a run does
     // not have. 400 are the setup of a file, whose names a replay shows. 9,600 read what the page showed: every state that the
     // port worker sends.
-    part("session worker", When::Asked, &["sessions-"], 242_000),
+    ("session worker", ASKED, &["sessions-"], 242_000),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
-    part("runs", When::Asked, &["runs-"], 83_900),
-    part(
+    ("runs", ASKED, &["runs-"], 83_900),
+    (
         "installing",
-        When::Offline,
+        OFFLINE,
         &["installed-", "sw.js", "icon-"],
         3_000,
     ),
-    part(
+    (
         "help in English",
-        When::Asked,
+        ASKED,
         // Wiring, figures and frames of four models, with an example of each frame.
         &["help/en", "help/wiring"],
         9_000,
     ),
     // 1,200 say in each that a wheel may keep turning, and what to do then. 800 are for figures that do not hold, rates and fitted
     // models.
-    part("German", When::Asked, &["texts-de", "help/de"], 29_100),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 28_500),
-    part("server", When::Asked, &["."], 1_000),
+    ("German", ASKED, &["texts-de", "help/de"], 29_100),
+    ("Chinese", ASKED, &["texts-zh", "help/zh"], 28_500),
+    ("server", ASKED, &["."], 1_000),
 ];
 
-const fn part(
-    name: &'static str,
-    when: When,
-    files: &'static [&'static str],
-    gzip_bytes_max: usize,
-) -> Part {
-    Part {
-        name,
-        when,
-        files,
-        gzip_bytes_max,
-    }
-}
-
 /// Bound of what is fetched before the page can be used.
-pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
+const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
 /// the firmware of each in the virtual motors, take 15,000; what the bus does when a motor of separate frames restarts,
 /// or another model answers late, takes 2,500; what drives a run beside the bus, and loads its program, takes 4,300; what
 /// stops motors that keep their last command takes 16,000.
-pub const DRIVING_GZIP_BYTES_MAX: usize = 379_400;
+const DRIVING_GZIP_BYTES_MAX: usize = 379_400;
 /// Bound of all parts together in one language. The goal is 560,000: four programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
 /// 32,000, what the bus does when a motor restarts 2,500, a log that can be undone, opened and translated 10,000, names
@@ -163,31 +129,20 @@ pub const DRIVING_GZIP_BYTES_MAX: usize = 379_400;
 /// runs of experiments in session files 45,000, the faster reading of files 4,000. Motors that keep their last command
 /// take 42,000 in all programs, and figures of experiments that hold up 38,000, with fitted models and rates 56,000. Files of
 /// other writers take 2,500.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_495_500;
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_495_500;
 
-/// The parts of a site with their sizes.
+/// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]
 pub struct Report {
-    rows: Vec<Row>,
+    rows: Vec<(&'static Part, [usize; 3])>,
 }
 
 /// A file that a visit can fetch, and its size as the host serves it.
 #[derive(Debug)]
 pub struct Weight {
     pub path: PathBuf,
-    pub raw_bytes: usize,
-    pub gzip_bytes: usize,
-    pub brotli_bytes: usize,
-}
-
-#[derive(Debug)]
-struct Row {
-    name: &'static str,
-    when: When,
-    raw_bytes: usize,
-    gzip_bytes: usize,
-    brotli_bytes: usize,
-    gzip_bytes_max: usize,
+    /// Raw, with gzip, with brotli.
+    pub bytes: [usize; 3],
 }
 
 impl Report {
@@ -197,68 +152,45 @@ impl Report {
     ///
     /// For a file that no part names.
     pub fn new(files: &[Weight]) -> Result<Self> {
-        let mut rows: Vec<Row> = PARTS
-            .iter()
-            .map(|part| Row {
-                name: part.name,
-                when: part.when,
-                raw_bytes: 0,
-                gzip_bytes: 0,
-                brotli_bytes: 0,
-                gzip_bytes_max: part.gzip_bytes_max,
-            })
-            .collect();
-        for file in files {
-            let path = file.path.to_string_lossy();
-            let is_of = |part: &Part| part.files.iter().any(|start| path.starts_with(start));
-            let place = PARTS.iter().position(is_of);
-            let row = place
-                .and_then(|place| rows.get_mut(place))
+        let mut rows: Vec<(&Part, [usize; 3])> = PARTS.iter().map(|part| (part, [0; 3])).collect();
+        for Weight { path, bytes } in files {
+            let path = path.to_string_lossy();
+            let mut rows = rows.iter_mut();
+            let (_, sums) = rows
+                .find(|((_, _, files, _), _)| files.iter().any(|start| path.starts_with(start)))
                 .with_context(|| format!("{path} belongs to no part: add it in size.rs"))?;
-            row.raw_bytes += file.raw_bytes;
-            row.gzip_bytes += file.gzip_bytes;
-            row.brotli_bytes += file.brotli_bytes;
+            sums.iter_mut()
+                .zip(bytes)
+                .for_each(|(sum, bytes)| *sum += bytes);
         }
-        rows.retain(|row| row.raw_bytes > 0);
+        rows.retain(|(_, [raw, ..])| *raw > 0);
         Ok(Self { rows })
     }
 
-    fn gzip_bytes(&self, counts: impl Fn(&Row) -> bool) -> usize {
-        let counted = self.rows.iter().filter(|row| counts(row));
-        counted.map(|row| row.gzip_bytes).sum()
-    }
-
-    /// What is fetched before the page can be used.
-    pub fn first_gzip_bytes(&self) -> usize {
-        self.gzip_bytes(|row| row.when == When::First)
-    }
-
-    /// What is fetched before the virtual motor turns.
-    pub fn driving_gzip_bytes(&self) -> usize {
-        self.gzip_bytes(|row| matches!(row.when, When::First | When::Driving))
-    }
-
-    /// All parts, in English.
-    pub fn one_language_gzip_bytes(&self) -> usize {
-        self.gzip_bytes(|row| !matches!(row.name, "German" | "Chinese"))
+    fn gzip_bytes(&self, counts: impl Fn(&Part) -> bool) -> usize {
+        let counted = self.rows.iter().filter(|(part, _)| counts(part));
+        counted.map(|(_, [_, gzip, _])| gzip).sum()
     }
 
     /// The sums that have a bound: name, bytes, bound.
     pub fn sums(&self) -> [(&'static str, usize, usize); 3] {
+        let is_first = |part: &Part| part.1 == FIRST;
+        let to_drive = |part: &Part| matches!(part.1, FIRST | DRIVING);
+        let in_english = |part: &Part| !matches!(part.0, "German" | "Chinese");
         [
             (
                 "before the page can be used",
-                self.first_gzip_bytes(),
+                self.gzip_bytes(is_first),
                 FIRST_GZIP_BYTES_MAX,
             ),
             (
                 "before the virtual motor turns",
-                self.driving_gzip_bytes(),
+                self.gzip_bytes(to_drive),
                 DRIVING_GZIP_BYTES_MAX,
             ),
             (
                 "all parts, one language",
-                self.one_language_gzip_bytes(),
+                self.gzip_bytes(in_english),
                 ONE_LANGUAGE_GZIP_BYTES_MAX,
             ),
         ]
@@ -269,7 +201,7 @@ impl Report {
         let parts = self
             .rows
             .iter()
-            .map(|row| (row.name, row.gzip_bytes, row.gzip_bytes_max));
+            .map(|((name, _, _, max), [_, gzip, _])| (*name, *gzip, *max));
         let over: Vec<String> = parts
             .chain(self.sums())
             .filter(|(_, bytes, max)| bytes > max)
@@ -289,16 +221,10 @@ impl fmt::Display for Report {
             "{:16} {:17} {:>9} {:>9} {:>9} {:>9}",
             "part", "fetched", "bytes", "gzip", "brotli", "budget"
         )?;
-        for row in &self.rows {
+        for ((name, when, _, max), [raw, gzip, brotli]) in &self.rows {
             writeln!(
                 f,
-                "{:16} {:17} {:>9} {:>9} {:>9} {:>9}",
-                row.name,
-                row.when.name(),
-                row.raw_bytes,
-                row.gzip_bytes,
-                row.brotli_bytes,
-                row.gzip_bytes_max
+                "{name:16} {when:17} {raw:>9} {gzip:>9} {brotli:>9} {max:>9}"
             )?;
         }
         for (name, bytes, max) in self.sums() {
@@ -315,9 +241,7 @@ mod tests {
     fn file(name: &str, bytes: usize) -> Weight {
         Weight {
             path: PathBuf::from(name),
-            raw_bytes: 2 * bytes,
-            gzip_bytes: bytes,
-            brotli_bytes: bytes,
+            bytes: [2 * bytes, bytes, bytes],
         }
     }
 
@@ -331,9 +255,8 @@ mod tests {
             file("texts-de-0123456789ab.txt", 16),
         ];
         let report = Report::new(&files).unwrap();
-        assert_eq!(report.first_gzip_bytes(), 1 + 2);
-        assert_eq!(report.driving_gzip_bytes(), 1 + 2 + 4);
-        assert_eq!(report.one_language_gzip_bytes(), 1 + 2 + 4 + 8);
+        let bytes = report.sums().map(|(_, bytes, _)| bytes);
+        assert_eq!(bytes, [1 + 2, 1 + 2 + 4, 1 + 2 + 4 + 8]);
     }
 
     #[test]
