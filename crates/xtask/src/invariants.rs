@@ -72,8 +72,11 @@ fn faults(document: &str, read: &dyn Fn(&str) -> Option<String>) -> Vec<String> 
             fail(format!("a row has {COLUMNS} cells"));
             continue;
         };
-        decided_in(decided, read).into_iter().for_each(&mut fail);
-        held_by(held, read).into_iter().for_each(&mut fail);
+        for (cell, is_held) in [(decided, false), (held, true)] {
+            wrong_in(cell, is_held, read)
+                .into_iter()
+                .for_each(&mut fail);
+        }
     }
     if rows == 0 {
         wrong.push(format!("{DOCUMENT}: there is no table"));
@@ -92,55 +95,37 @@ fn is_rule(cell: &str) -> bool {
     cell.starts_with('-') && cell.chars().all(|c| c == '-')
 }
 
-/// What is wrong with the place where an invariant is decided.
-fn decided_in(cell: &str, read: &dyn Fn(&str) -> Option<String>) -> Vec<String> {
+/// What is wrong with a cell: the place where an invariant is decided, or the tests that hold it.
+fn wrong_in(cell: &str, is_held: bool, read: &dyn Fn(&str) -> Option<String>) -> Vec<String> {
     let references = match references(cell) {
         Ok(references) => references,
         Err(fault) => return vec![fault],
     };
-    let mut wrong = Vec::new();
     if references.is_empty() {
-        wrong.push("no path says where this is decided".to_owned());
-    }
-    for Reference { path, names } in references {
-        let Some(text) = read(path) else {
-            wrong.push(format!("{path} does not exist"));
-            continue;
-        };
-        let words: BTreeSet<&str> = words(&text).collect();
-        let missing = names.iter().filter(|name| {
-            // Of `Type::function` both parts are in the file.
-            !name.split("::").all(|part| words.contains(part))
-        });
-        wrong.extend(missing.map(|name| format!("{path} does not contain {name}")));
-    }
-    wrong
-}
-
-/// What is wrong with the tests that hold an invariant.
-fn held_by(cell: &str, read: &dyn Fn(&str) -> Option<String>) -> Vec<String> {
-    let references = match references(cell) {
-        Ok(references) => references,
-        Err(fault) => return vec![fault],
-    };
-    let mut wrong = Vec::new();
-    if references.is_empty() {
-        wrong.push("no test holds this".to_owned());
-    }
-    for Reference { path, names } in references {
-        let Some(text) = read(path) else {
-            wrong.push(format!("{path} does not exist"));
-            continue;
-        };
-        let (kind, known): (&str, BTreeSet<&str>) = if path == LINTS {
-            ("lint", words(&text).collect())
+        let none = if is_held {
+            "no test holds this"
         } else {
-            ("test", tests(&text))
+            "no path says where this is decided"
         };
-        if known.is_empty() || (path == LINTS && names.is_empty()) {
+        return vec![none.to_owned()];
+    }
+    let mut wrong = Vec::new();
+    for Reference { path, names } in references {
+        let Some(text) = read(path) else {
+            wrong.push(format!("{path} does not exist"));
+            continue;
+        };
+        let (kind, known) = match path {
+            _ if !is_held => ("name", words(&text).collect()),
+            LINTS => ("lint", words(&text).collect()),
+            _ => ("test", tests(&text)),
+        };
+        if is_held && (known.is_empty() || path == LINTS && names.is_empty()) {
             wrong.push(format!("{path} has no {kind}"));
         }
-        let missing = names.iter().filter(|name| !known.contains(*name));
+        // Of `Type::function` both parts are in the file.
+        let is_known = |name: &str| name.split("::").all(|part| known.contains(part));
+        let missing = names.iter().filter(|name| !is_known(name));
         wrong.extend(missing.map(|name| format!("{path} has no {kind} {name}")));
     }
     wrong
@@ -242,7 +227,7 @@ mod tests {
             ),
             (
                 "| x | `a/code.rs` `Bus::go` | `a/tests.rs` |",
-                "a/code.rs does not contain Bus::go",
+                "a/code.rs has no name Bus::go",
             ),
             (
                 "| x | `a/code.rs` | `a/tests.rs`: `it_goes` |",
