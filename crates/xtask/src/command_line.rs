@@ -101,8 +101,6 @@ pub enum Command {
     },
     /// Count the product code of src and of each crate: lines without tests, blanks and comments
     Lines,
-    /// Check the built page with Lighthouse, as a desktop and as a phone
-    Lighthouse,
     /// Make screenshots of every screen, window, theme and language in `target/screenshots`; `docs` and `public`
     /// renew the README's moving picture and the installer's pictures
     Screenshots {

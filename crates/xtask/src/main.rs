@@ -17,7 +17,6 @@ mod failure;
 mod invariants;
 mod layers;
 mod libreoffice;
-mod lighthouse;
 mod lines;
 mod minify;
 mod mutants;
@@ -112,7 +111,6 @@ fn run(command: Command) -> Result<()> {
         Command::Translations { check } => translations::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Lines => lines::show(&workspace),
-        Command::Lighthouse => lighthouse::run(&workspace),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }
 }

@@ -28,14 +28,6 @@ pub const AXE: Package = Package {
     file: "axe.min.js",
 };
 
-/// Checks the loading of a page and its best practices. The last version that runs on Node 20.
-pub const LIGHTHOUSE: Package = Package {
-    name: "lighthouse",
-    version: "12.8.2",
-    with: &[],
-    file: "cli/index.js",
-};
-
 /// Reads MCAP files for Foxglove, with its decompression, and a validator of JSON schemas.
 pub const MCAP_OF_FOXGLOVE: Package = Package {
     name: "@mcap/core",
