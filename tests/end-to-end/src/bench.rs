@@ -1,25 +1,25 @@
 //! The bench of one test.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::env;
 use std::fs;
-use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use motorlink_web_server::{Delivery, Server, files};
 use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
 use tempfile::TempDir;
 
 use crate::adapter::{Adapter, Usb};
 use crate::artefacts;
 use crate::cdp::Session;
-use crate::chromium::Chromium;
+use crate::equipment::{self, Equipment};
 use crate::line::Line;
 use crate::page::Page;
 use crate::retry::retry;
-use crate::wait::{WAIT_MAX, wait_until};
+use crate::wait::WAIT_MAX;
 
 /// Time to load a page, which takes half a second.
 const SOON: Duration = Duration::from_secs(5);
@@ -27,22 +27,33 @@ const SOON: Duration = Duration::from_secs(5);
 /// A browser, a server of the page, and adapters. Benches are independent, so that tests can run in parallel, in one
 /// process or in several.
 pub struct Bench {
-    // Dropped in this order: the browser before what it uses.
-    chromium: Chromium,
-    server: RefCell<Option<Server>>,
-    origin: String,
-    dir: TempDir,
+    equipment: Arc<Equipment>,
+    /// Whether the next bench can have the same browser.
+    is_reusable: Cell<bool>,
+    adapters: TempDir,
     adapter_count: Cell<usize>,
 }
 
 impl Bench {
-    /// A bench for the built page.
+    /// A bench for the built page, with a new browser.
     ///
     /// # Errors
     ///
     /// When something is not built or installed: the error says what to run.
     pub fn start() -> Result<Self> {
         Self::serving(&artefacts::dist()?)
+    }
+
+    /// A bench for the built page, whose browser an earlier test may have used: its tabs are closed, and what it had
+    /// stored is deleted.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Bench::start`].
+    pub fn reuse() -> Result<Self> {
+        let used = equipment::idle().pop();
+        let new = || Equipment::start(&artefacts::dist()?, keeps_files()).map(Arc::new);
+        Self::with(used.map_or_else(new, Ok)?, !keeps_files())
     }
 
     /// A bench whose browser has only the rights of a user, so it cannot open a port that another program has opened
@@ -66,22 +77,17 @@ impl Bench {
     ///
     /// As for [`Bench::start`].
     pub fn serving(pages: &Path) -> Result<Self> {
-        let mut dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
-        // Keeps the wire logs and files of a failed scenario.
-        dir.disable_cleanup(env::var_os("MOTORLINK_BENCH_KEEP").is_some());
-        let udev_dir = udev_dir(dir.path());
-        fs::create_dir(&udev_dir)?;
-        let server = serve(pages)?;
-        let origin = server.origin();
-        let profile = dir.path().join("profile");
-        let downloads = downloads_dir(dir.path());
-        fs::create_dir(&downloads)?;
-        let chromium = Chromium::start(&profile, &udev_dir, &downloads, &origin)?;
+        let equipment = Equipment::start(pages, keeps_files())?;
+        Self::with(Arc::new(equipment), false)
+    }
+
+    fn with(equipment: Arc<Equipment>, is_reusable: bool) -> Result<Self> {
+        let mut adapters = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
+        adapters.disable_cleanup(keeps_files());
         Ok(Self {
-            chromium,
-            server: RefCell::new(Some(server)),
-            origin,
-            dir,
+            equipment,
+            is_reusable: Cell::new(is_reusable),
+            adapters,
             adapter_count: Cell::new(0),
         })
     }
@@ -96,9 +102,9 @@ impl Bench {
             "adapter-{}",
             self.adapter_count.replace(self.adapter_count.get() + 1)
         );
-        let dir = self.dir.path().join(&name);
+        let dir = self.adapters.path().join(&name);
         fs::create_dir(&dir).with_context(|| format!("no place for {name}"))?;
-        let mut adapter = Adapter::new(name, dir, udev_dir(self.dir.path()), line, usb);
+        let mut adapter = Adapter::new(name, dir, self.equipment.udev_dir(), line, usb);
         adapter.plug()?;
         Ok(adapter)
     }
@@ -109,7 +115,7 @@ impl Bench {
     ///
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
-        self.open_url(&format!("{}{path}", self.origin))
+        self.open_url(&format!("{}{path}", self.origin()))
     }
 
     /// Opens an empty tab in front.
@@ -155,14 +161,7 @@ impl Bench {
     )]
     pub fn close(&self, page: Page) -> Result<()> {
         page.close()?;
-        wait_until("the tab to be gone", WAIT_MAX, || {
-            let open = self.chromium.has_tab(page.tab_id())?;
-            Ok(if open {
-                Err("it is open".to_owned())
-            } else {
-                Ok(())
-            })
-        })
+        self.equipment.chromium.wait_until_closed(page.tab_id())
     }
 
     /// Kills the browser as a system without memory does, and starts it again with what it has kept.
@@ -171,50 +170,48 @@ impl Bench {
     ///
     /// When it does not start.
     pub fn kill_browser(&mut self) -> Result<()> {
-        self.chromium.kill()?;
-        let dir = self.dir.path();
-        let (profile, downloads) = (dir.join("profile"), downloads_dir(dir));
-        self.chromium = Chromium::start(&profile, &udev_dir(dir), &downloads, &self.origin)?;
-        Ok(())
+        self.is_reusable.set(false);
+        let equipment = Arc::get_mut(&mut self.equipment);
+        equipment.context("another bench has it")?.kill_browser()
     }
 
     /// Stops the server: from now on the browser is offline.
     pub fn stop_serving(&self) {
-        self.server.replace(None);
+        self.is_reusable.set(false);
+        self.equipment.stop_serving();
     }
 
     /// The origin of the page, without a slash at its end.
     #[must_use]
     pub fn origin(&self) -> String {
-        self.origin.clone()
+        self.equipment.origin.clone()
     }
 
     /// Stops debugging a page, which cannot be used after that.
     pub(crate) fn detach(&self, page: &Page) -> Result<()> {
-        self.chromium.detach(page.session.tab())
+        self.is_reusable.set(false);
+        self.equipment.chromium.detach(page.session.tab())
     }
 
     pub(crate) fn downloads(&self) -> PathBuf {
-        downloads_dir(self.dir.path())
+        self.equipment.downloads()
     }
 
     pub(crate) fn new_tab(&self) -> Result<Session> {
-        self.chromium.new_tab()
+        self.equipment.chromium.new_tab()
     }
 }
 
-/// Serves the page on a free port of this machine.
-fn serve(pages: &Path) -> Result<Server> {
-    fs::metadata(pages.join("index.html"))
-        .with_context(|| format!("no index.html to serve in {}", pages.display()))?;
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("no port to serve on")?;
-    Ok(Server::start(listener, files(pages, Delivery::Uncached)?)?)
+impl Drop for Bench {
+    fn drop(&mut self) {
+        // A test that panicked may have left it in any state.
+        if self.is_reusable.get() && !thread::panicking() && self.equipment.clear().is_ok() {
+            equipment::idle().push(Arc::clone(&self.equipment));
+        }
+    }
 }
 
-fn udev_dir(dir: &Path) -> PathBuf {
-    dir.join("udev")
-}
-
-fn downloads_dir(dir: &Path) -> PathBuf {
-    dir.join("downloads")
+/// Whether to keep the wire logs and files of a failed scenario.
+fn keeps_files() -> bool {
+    env::var_os("MOTORLINK_BENCH_KEEP").is_some()
 }

@@ -10,7 +10,7 @@ use chromiumoxide::cdp::browser_protocol::browser::{
     SetDownloadBehaviorBehavior, SetDownloadBehaviorParams,
 };
 use chromiumoxide::cdp::browser_protocol::target::{
-    CreateTargetParams, DetachFromTargetParams, TargetId,
+    CloseTargetParams, CreateTargetParams, DetachFromTargetParams, TargetId,
 };
 use futures::StreamExt;
 use serde_json::{Map, Value, json};
@@ -19,7 +19,7 @@ use crate::adapter::Usb;
 use crate::artefacts;
 use crate::cdp::{Blocking, Session};
 use crate::retry::retry;
-use crate::wait::WAIT_MAX;
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// The flags of a browser without background activity. The usual flags against throttling are missing, because this
 /// bench measures how a hidden page is throttled.
@@ -50,6 +50,8 @@ pub struct Chromium {
     // The browser must be dropped before the thread that ends it.
     browser: Browser,
     blocking: Blocking,
+    /// That of its first process.
+    pub process_id: u32,
 }
 
 impl Chromium {
@@ -75,7 +77,7 @@ impl Chromium {
         }
         let config = config.build().map_err(|error| anyhow!(error))?;
         // The browser crashed with a segmentation fault in one of many hundred starts.
-        let (browser, mut connection) = retry("start Chromium", 2, || {
+        let (mut browser, mut connection) = retry("start Chromium", 2, || {
             let launched = blocking.wait("start", Browser::launch(config.clone()));
             Ok(launched.map_err(|error| format!("{error:#}")))
         })?;
@@ -88,7 +90,13 @@ impl Chromium {
             ..SetDownloadBehaviorParams::new(SetDownloadBehaviorBehavior::Allow)
         };
         blocking.wait("a place for files", browser.execute(downloading))?;
-        Ok(Self { browser, blocking })
+        let process = browser.get_mut_child();
+        let process_id = process.and_then(|process| process.inner.id());
+        Ok(Self {
+            browser,
+            blocking,
+            process_id: process_id.context("the browser has ended")?,
+        })
     }
 
     /// A new empty tab, in front of all others.
@@ -112,17 +120,41 @@ impl Chromium {
 
     /// Kills it at once: nothing of it can act any more.
     pub fn kill(&mut self) -> Result<()> {
-        let Self { browser, blocking } = self;
+        let Self {
+            browser, blocking, ..
+        } = self;
         blocking.wait("its end", async { browser.kill().await.unwrap_or(Ok(())) })?;
         Ok(())
     }
 
-    /// Whether this tab is open.
-    pub fn has_tab(&self, id: &TargetId) -> Result<bool> {
-        let tabs = self
-            .blocking
-            .wait("the list of tabs", self.browser.pages())?;
-        Ok(tabs.iter().any(|tab| tab.target_id() == id))
+    /// Closes all tabs but an empty one, and deletes what an origin has stored.
+    pub fn forget(&self, origin: &str) -> Result<()> {
+        let Self {
+            browser, blocking, ..
+        } = self;
+        let tabs = blocking.wait("the list of tabs", browser.pages())?;
+        let empty = self.new_tab()?;
+        for tab in tabs {
+            let close = CloseTargetParams::new(tab.target_id().clone());
+            blocking.wait("a tab to close", browser.execute(close))?;
+            self.wait_until_closed(tab.target_id())?;
+        }
+        let all = json!({ "origin": origin, "storageTypes": "all" });
+        empty.call("Storage.clearDataForOrigin", all).map(drop)
+    }
+
+    /// Waits until a tab that was told to close is closed.
+    pub fn wait_until_closed(&self, id: &TargetId) -> Result<()> {
+        wait_until("the tab to be gone", WAIT_MAX, || {
+            let tabs = self.browser.pages();
+            let tabs = self.blocking.wait("the list of tabs", tabs)?;
+            let is_open = tabs.iter().any(|tab| tab.target_id() == id);
+            Ok(if is_open {
+                Err("it is open".to_owned())
+            } else {
+                Ok(())
+            })
+        })
     }
 }
 
@@ -130,7 +162,9 @@ impl Drop for Chromium {
     fn drop(&mut self) {
         // On request it ends its helper processes first. If it is killed, they run for a second or two and write into
         // a profile that has just been removed.
-        let Self { browser, blocking } = self;
+        let Self {
+            browser, blocking, ..
+        } = self;
         let asked = blocking.wait_for("its end", END_MAX, async {
             browser.close().await.map_err(io::Error::other)?;
             browser.wait().await

@@ -31,6 +31,7 @@ mod console;
 mod control;
 mod discard;
 mod downloads;
+mod equipment;
 pub mod figures;
 mod first_press;
 mod installing;

@@ -236,7 +236,7 @@ impl Judge {
 
 /// What depends on colours is judged in English, what does not in the first of a language's colours.
 fn axe_finds_nothing(language: Language, schemes: &'static [Scheme]) -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let mut judge = Judge::open(&bench, language, schemes)?;
     judge.unconnected()?;
     judge.connected()?;
@@ -269,7 +269,7 @@ fn axe_finds_nothing_on_any_german_screen() -> Result<()> {
 
 #[test]
 fn axe_finds_what_is_wrong() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let mut judge = Judge::open(&bench, Language::English, &[Scheme::Light])?;
     judge
         .page

@@ -38,7 +38,7 @@ fn an_adapter_pulled_out_while_driving_comes_back_and_drives_nothing() -> Result
 
 #[test]
 fn an_adapter_plugged_in_later_is_connected_to() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     crate::fixture::connect(&page)?;
@@ -51,7 +51,7 @@ fn an_adapter_plugged_in_later_is_connected_to() -> Result<()> {
 /// Web Serial knows no serial numbers: they are told apart by who answers.
 #[test]
 fn of_two_identical_adapters_the_one_with_the_chosen_motor_is_taken() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let first = bench.plug(Line::with_motors(&[1]), Usb::default())?;
     let second = bench.plug(Line::with_motors(&[2]), Usb::default())?;
     let page = bench.open("/")?;
@@ -100,7 +100,7 @@ fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
 
 #[test]
 fn a_line_on_which_nobody_answers_says_what_to_check() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let _adapter = bench.plug(Line::default().with(&["--loss", "1"]), Usb::default())?;
     let page = bench.open("/")?;
     page.click("button", "Connect")?;
@@ -115,7 +115,7 @@ fn a_line_on_which_nobody_answers_says_what_to_check() -> Result<()> {
 
 #[test]
 fn several_motors_that_answer_the_id_query_at_once_are_noticed() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let _adapter = bench.plug(Line::with_motors(&[1, 2]), Usb::default())?;
     let page = bench.open("/")?;
     // On a busy machine the replies may come after the query's time: then the page has found none.
@@ -133,7 +133,7 @@ fn several_motors_that_answer_the_id_query_at_once_are_noticed() -> Result<()> {
 
 #[test]
 fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let mut adapter = bench.plug(Line::default(), Usb::default())?;
     let page = bench.open("/")?;
     thread::sleep(Duration::from_millis(300));
@@ -156,7 +156,7 @@ fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Re
 
 #[test]
 fn a_dismissed_picker_is_no_error() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     page.click("button", "Connect")?;
     page.dismiss_picker(|| {

@@ -40,7 +40,7 @@ const CUT: &str = "(() => {
 fn no_text_of_the_controls_is_cut() -> Result<()> {
     for language in [Language::English, Language::German] {
         set_language(language);
-        let bench = Bench::start()?;
+        let bench = Bench::reuse()?;
         // Its motor has every tab.
         let page = bench.open(&format!(
             "/?port=virtual&model=ddsm400&lang={}",
@@ -110,7 +110,7 @@ const SMALL_NUMBERS: &str = "[...document.querySelectorAll('.twin-scale text')]
 #[test]
 fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     set_language(Language::German);
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/?port=virtual&lang=de")?;
     page.find("button", translated("Skip the tour"))?;
     page.find_like("img", translated("Speed and current"))?;
@@ -151,7 +151,7 @@ const MOVES: &str = "(() => {
 fn no_window_has_to_be_scrolled_sideways_and_no_figure_moves_the_page() -> Result<()> {
     for language in Language::ALL {
         set_language(language);
-        let bench = Bench::start()?;
+        let bench = Bench::reuse()?;
         let page = bench.open(&format!("/?port=virtual&lang={}", language.key()))?;
         page.find_like("img", translated("Speed and current"))?;
         for view in [

@@ -52,7 +52,7 @@ const SIZES: [View; 6] = [
 
 #[test]
 fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let page = bench.open("/")?;
     for view in SIZES {

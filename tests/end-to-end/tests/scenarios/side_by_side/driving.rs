@@ -206,7 +206,7 @@ fn letters_drive_and_stop() -> Result<()> {
 
 #[test]
 fn the_virtual_motor_needs_no_hardware() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/?port=virtual")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
@@ -219,7 +219,7 @@ fn the_virtual_motor_needs_no_hardware() -> Result<()> {
 
 #[test]
 fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::with_motors(&[7]), Usb::default())?;
     let page = bench.open("/")?;
     crate::fixture::connect(&page)?;

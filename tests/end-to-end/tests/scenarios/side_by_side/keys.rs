@@ -170,7 +170,7 @@ fn tab_to(page: &Page, wanted: &str) -> Result<usize> {
 
 #[test]
 fn twelve_keys_lead_from_load_to_a_turning_wheel() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     let mut presses = tab_to(&page, "it.textContent === 'Virtual motor'")?;
     page.press("Enter")?;
@@ -189,7 +189,7 @@ fn twelve_keys_lead_from_load_to_a_turning_wheel() -> Result<()> {
 
 #[test]
 fn the_focus_is_never_lost() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     let press = |role: &str, name: &str, key: &str| {
         wait_until_enabled(&page, role, name, true)?;

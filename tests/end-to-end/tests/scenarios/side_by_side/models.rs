@@ -103,7 +103,7 @@ fn a_ddsm315_is_chosen_driven_in_each_loop_stopped_limited_and_given_an_id() -> 
 /// The page tries each baud rate, and the board answers at both. The page reports neither a motor nor noise.
 #[test]
 fn a_driver_board_in_json_mode_is_reported_with_its_switch() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let _board = bench.plug(Line::default().with(&["--json"]), Usb::default())?;
     let page = bench.open("/")?;
     page.click("button", "Connect")?;

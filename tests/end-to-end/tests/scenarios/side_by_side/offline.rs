@@ -113,7 +113,7 @@ const READY: &str = "A new version is ready";
 
 #[test]
 fn after_one_visit_the_page_starts_and_drives_without_a_network() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     page.wait_until_kept()?;
     assert_quiet_console(&page);
@@ -237,7 +237,7 @@ fn a_new_version_is_taken() -> Result<bool> {
 
 #[test]
 fn where_the_page_cannot_be_installed_settings_say_why() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     open_panel(&page, "Settings")?;
     let install = page.find("button", "Install")?;

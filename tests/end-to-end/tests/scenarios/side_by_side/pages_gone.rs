@@ -48,7 +48,7 @@ fn a_page_left_and_returned_to_has_stopped_the_wheel_and_starts_nothing() -> Res
 /// No port keeps this page from being kept whole and shown again as it was.
 #[test]
 fn a_page_with_the_virtual_motor_comes_back_stopped() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/?port=virtual")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     spin(&page, "+100", 97..=103)?;

@@ -112,7 +112,7 @@ fn compare(page: &Page, wire: &WireLog, crashed_us: u64) -> Result<[u64; 2]> {
 
 #[test]
 fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let (wire, crashed_us) = recorded_until_a_crash(&bench, &adapter)?;
 
@@ -174,7 +174,7 @@ fn drawn(page: &Page) -> Result<u64> {
 /// By a crash and by a reload: the graph is there again with log and samples.
 #[test]
 fn a_restored_session_has_its_graph() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     recorded_until_a_crash(&bench, &adapter)?;
     let page = bench.open("/")?;
@@ -202,7 +202,7 @@ fn a_restored_session_has_its_graph() -> Result<()> {
 
 #[test]
 fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     recorded_until_a_crash(&bench, &adapter)?;
     let page = bench.open("/")?;
@@ -249,7 +249,7 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
 
 #[test]
 fn the_session_of_another_living_tab_is_left_alone() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let first = bench.open("/")?;
     connect(&first)?;

@@ -28,7 +28,7 @@ fn press_early(bench: &Bench, button: &str) -> Result<Page> {
 
 #[test]
 fn a_press_before_all_of_the_page_is_there_connects_once_it_is() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = press_early(&bench, "Virtual motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
@@ -38,7 +38,7 @@ fn a_press_before_all_of_the_page_is_there_connects_once_it_is() -> Result<()> {
 
 #[test]
 fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = press_early(&bench, "Help")?;
     wait_until("the focus on the help", WAIT_MAX, || {
         let focus = page.evaluate("document.activeElement.role")?;
@@ -54,7 +54,7 @@ fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> 
 
 #[test]
 fn a_finished_tour_stays_finished_and_the_next_steps_agree() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     wait_until("the next steps", WAIT_MAX, || {
         let next = page.evaluate("document.querySelector('.next-steps')?.textContent ?? ''")?;

@@ -40,7 +40,7 @@ fn names(page: &Page) -> Result<Vec<String>> {
 /// stay as they were entered.
 #[test]
 fn an_address_opens_a_rover_that_drives_and_a_real_one_keeps_its_names() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     page.evaluate("localStorage.setItem('motorlink.fleet', '1\\tyes\\tright\\tReal wheel\\n')")?;
     page.go(&format!(
@@ -86,7 +86,7 @@ fn an_address_opens_a_rover_that_drives_and_a_real_one_keeps_its_names() -> Resu
 
 #[test]
 fn an_address_that_names_no_virtual_motors_says_which_there_are() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     for (address, bad, possible) in [
         (
             "/?port=virtual&motors=4&model=foo",
@@ -112,7 +112,7 @@ fn an_address_that_names_no_virtual_motors_says_which_there_are() -> Result<()> 
 /// By keyboard on a desktop, by finger on a phone; the button `Virtual motor` connects the last choice.
 #[test]
 fn the_virtual_motors_are_chosen_in_a_menu_and_remembered() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let page = bench.open("/")?;
     page.find("button", "Virtual motors")?.focus()?;
     page.press("Enter")?;
