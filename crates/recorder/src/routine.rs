@@ -2,7 +2,7 @@
 //!
 //! Each entry is classified once, when it is added, by the entries before it. A change is never routine:
 //! a different drive frame, a reply with another loop or other faults, or an error. Neither is a raw frame, nor
-//! its reply.
+//! its reply. A motor that stays silent is no change after the first time; its next reply is one.
 
 use motorlink_bus::LineEventKind;
 use motorlink_protocol::{
@@ -30,6 +30,8 @@ struct Before {
     replied: Option<(Option<Mode>, Faults)>,
     /// The mode byte of its last reply to a mode query.
     named: Option<u8>,
+    /// Requests in a row that it did not reply to.
+    silences: u32,
 }
 
 impl Before {
@@ -81,8 +83,19 @@ impl Routine {
                 };
                 let id = reading.id();
                 let before = self.before(id);
-                let repeated = before.is_some_and(|before| before.is_repeated_by(&reading));
+                let repeated = before.is_some_and(|before| {
+                    let was_silent = std::mem::take(&mut before.silences) > 1;
+                    before.is_repeated_by(&reading) && !was_silent
+                });
                 asked == Some(id) && repeated
+            }
+            LineEventKind::Silence { id, .. } => {
+                let asked = self.asked.take();
+                let again = self.before(*id).is_some_and(|before| {
+                    before.silences = before.silences.saturating_add(1);
+                    before.silences > 1
+                });
+                asked == Some(*id) && again
             }
             // It may have driven the motor: the next frame of the bus shows a change.
             LineEventKind::SentByHand { frame, .. }
@@ -96,7 +109,6 @@ impl Routine {
                 false
             }
             LineEventKind::Junk(_)
-            | LineEventKind::Silence { .. }
             | LineEventKind::NotSent { .. }
             | LineEventKind::Known { .. }
             | LineEventKind::ModelSelected(_) => false,
@@ -278,6 +290,34 @@ mod tests {
             good(1, 3),
         ];
         let expected = [true, false, false, false, false, true, false];
+        assert_eq!(verdicts(&passed), expected);
+    }
+
+    #[test]
+    fn a_motor_that_stays_silent_is_shown_once_and_again_when_it_replies() {
+        let silence = LineEventKind::Silence {
+            id: MotorId::FIRST,
+            waited_us: 6_000,
+        };
+        let passed = [
+            query(1),
+            good(1, 1),
+            query(1),
+            silence,
+            query(1),
+            silence,
+            query(1),
+            silence,
+            query(1),
+            good(1, 2),
+            query(1),
+            silence,
+            query(1),
+            good(1, 2),
+        ];
+        let expected = [
+            true, false, true, false, true, true, true, true, true, false, true, false, true, true,
+        ];
         assert_eq!(verdicts(&passed), expected);
     }
 
