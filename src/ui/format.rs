@@ -98,9 +98,15 @@ pub(crate) fn torque_of(target: CurrentTarget) -> String {
     format!("{} N·m", signed_decimal(target.amps() * TORQUE_NM_PER_A, 2))
 }
 
-/// `90.00`
+/// `90.0`: as few decimals as give the same target again. The raw number nearest to 180 degrees is 180.005 degrees.
 pub(crate) fn angle_of(target: PositionTarget) -> String {
-    in_language(fixed(target.degrees(), 2))
+    let tenths = (target.degrees() * 10.0).round() / 10.0;
+    let decimals = if PositionTarget::from_degrees(tenths) == target {
+        1
+    } else {
+        2
+    };
+    in_language(fixed(target.degrees(), decimals))
 }
 
 /// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: a setpoint.
@@ -232,7 +238,9 @@ mod tests {
     #[test]
     fn targets_are_shown_in_the_units_people_think_in() {
         assert_eq!(amps_of(CurrentTarget::new(10_000).unwrap()), "+2.44 A");
-        assert_eq!(angle_of(PositionTarget::from_degrees(90.0)), "90.00");
+        for (degrees, text) in [(90.0, "90.0"), (180.0, "180.0"), (12.34, "12.34")] {
+            assert_eq!(angle_of(PositionTarget::from_degrees(degrees)), text);
+        }
         assert_eq!(goal(Setpoint::Current(CurrentTarget::ZERO)), "0.00 A");
         assert_eq!(goal(Setpoint::velocity(SpeedTarget::ZERO)), "0 rpm");
     }

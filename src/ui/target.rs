@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(position.text("Raw", POSITION), "8192");
         assert_eq!(position.text("Angle", ANGLE), "90");
         position.type_in("Raw", "99999".to_owned(), POSITION);
-        assert_eq!(position.text("Angle", ANGLE), "90.00");
+        assert_eq!(position.text("Angle", ANGLE), "90.0");
         assert_eq!(position.trouble_in("Angle"), None);
         assert!(position.trouble().is_some());
     }

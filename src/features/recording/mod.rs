@@ -42,7 +42,7 @@ pub(crate) fn Recording() -> impl IntoView {
     };
     let hint = move || {
         record_blocked_by().unwrap_or(if records.get() {
-            tr!("Press again to stop recording")
+            tr!("The samples are kept until the next recording.")
         } else {
             tr!("Records every sample from now on. Otherwise only the last 10 minutes are stored.")
         })
@@ -71,12 +71,15 @@ pub(crate) fn Recording() -> impl IntoView {
             <button
                 type="button"
                 class="button small record"
-                aria-pressed=dynamic(move || if records.get() { "true" } else { "false" })
+                class:records=dynamic(move || records.get())
                 title=dynamic(hint)
                 disabled=dynamic(move || record_blocked_by().is_some())
                 on:click=handler(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))
             >
-                {tr!("Record telemetry")}
+                <span class="record-labels">
+                    <span>{tr!("Record telemetry")}</span>
+                    <span>{tr!("Stop recording")}</span>
+                </span>
             </button>
             <output
                 class="recording-words"

@@ -259,7 +259,7 @@ fn a_recording_has_one_row_a_reply_from_press_to_press() -> Result<()> {
     let began = now_us();
     thread::sleep(Duration::from_secs(2));
     let ending = now_us();
-    page.click("button", "Record telemetry")?;
+    page.click("button", "Stop recording")?;
     let ended = now_us();
     wait_until_enabled(page, "button", "Export telemetry CSV", true)?;
     let table = Table::read(&page.download("Export telemetry CSV")?)?;

@@ -37,7 +37,7 @@ fn record(scenario: &Scenario) -> Result<()> {
         text.to_lowercase().contains("confirmed")
     })?;
     page.click("button", "Release")?;
-    page.click("button", "Record telemetry")?;
+    page.click("button", "Stop recording")?;
     Ok(())
 }
 

@@ -224,7 +224,7 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     let why = page.find("button", "Delete all data")?.description;
     assert!(why.contains("Stop the recording first"), "{why}");
     thread::sleep(Duration::from_secs(1));
-    page.click("button", "Record telemetry")?;
+    page.click("button", "Stop recording")?;
     page.click("button", "Disconnect")?;
     page.click("button", "Delete all data")?;
     page.click("button", "Cancel")?;
