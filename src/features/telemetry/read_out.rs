@@ -1,5 +1,7 @@
 //! One read-out with its age.
 
+use std::time::Duration;
+
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
@@ -43,7 +45,7 @@ impl Shown {
             unit,
             detail: String::new(),
             hint: "",
-            age: format::age(reading.age),
+            age: shown_age(reading.age),
             fresh: reading.is_fresh(),
             rating: Rating::None,
         }
@@ -90,6 +92,16 @@ impl Shown {
             Rating::Bad => "bad",
         }
     }
+}
+
+/// A younger value needs none: values come many times a second, and changing ages would distract.
+const AGE_FROM: Duration = Duration::from_secs(1);
+
+fn shown_age(age: Duration) -> String {
+    if age < AGE_FROM {
+        return String::new();
+    }
+    format::age(age)
 }
 
 /// An output with its name, its value and its age; grey if it is out of date.
@@ -152,5 +164,16 @@ pub(crate) fn ReadOut(
             </output>
             <div class="drawing" aria-hidden="true" inner_html=drawing></div>
         </div>
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_age_is_shown_from_a_second_on() {
+        assert_eq!(shown_age(Duration::from_millis(999)), "");
+        assert_eq!(shown_age(Duration::from_secs(1)), "1.0 s");
     }
 }
