@@ -6,28 +6,29 @@ use motorlink_messages::protocol::family::Model;
 use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 
-use crate::features::graph::{
-    plot::{
-        columns::Grid,
-        layout::Layout,
-        palette::{Colour, Palette, css},
-        scale::{self, Scales},
-        surface::{Align, AxesSurface, Opacity},
-        ticks::{self, Tick},
-        trace::{Trace, Traces},
-        view::View,
+use crate::{
+    features::graph::{
+        plot::{
+            columns::Grid,
+            layout::{Layout, Rectangle},
+            palette::{Colour, Palette, css},
+            scale::{self, Scales},
+            surface::{Align, AxesSurface, Opacity},
+            ticks::{self, Tick},
+            trace::{Trace, Traces},
+            view::View,
+        },
+        state::Chart,
     },
-    state::Chart,
+    ui::mathematics::limited,
 };
 
 /// Font size of the labels, in CSS pixels.
 pub(crate) const TEXT: f64 = 11.0;
 /// Gap between a line and its label, in CSS pixels.
 const LABEL_OFFSET: f64 = 6.0;
-/// Distance from a label to the unit below it, in CSS pixels.
-const UNIT_OFFSET: f64 = 13.0;
-/// Width that `100 °C` needs beside the labels of the angle, in CSS pixels.
-const ANGLE_LABELS_WIDTH: f64 = 46.0;
+/// Distance from the plot to the middle of the labels of the time axis, in CSS pixels.
+const TIME_OFFSET: f64 = 13.0;
 
 /// The canvas with the axes.
 pub(crate) struct Axes {
@@ -181,106 +182,63 @@ impl Picture {
             let rectangle = [x, plot.top, width, plot.height];
             line(rectangle, palette.line, Opacity::Full);
         }
-        let from_zero = self.traces.compared.is_some_and(Trace::is_from_zero);
-        for row in 0..5 {
-            let y = plot.top + plot.height * row / 4;
-            let rectangle = [plot.left, y, plot.width, width];
-            // The zero line is stronger.
-            if row == 2 && !from_zero {
-                line(rectangle, palette.text, Opacity::Weak);
-            } else {
-                line(rectangle, palette.line, Opacity::Full);
+        for (_, pane, ticks) in self.panes() {
+            for edge in [0, pane.height - 1] {
+                line(
+                    [pane.left, pane.top + edge, pane.width, width],
+                    palette.line,
+                    Opacity::Full,
+                );
+            }
+            for tick in ticks {
+                let y = pane.top + at(tick.place, pane.height);
+                let rectangle = [pane.left, y, pane.width, width];
+                // The zero line is stronger.
+                if tick.is_zero {
+                    line(rectangle, palette.text, Opacity::Weak);
+                } else {
+                    line(rectangle, palette.line, Opacity::Full);
+                }
             }
         }
+    }
+
+    /// Each pane with its trace and the ticks of its value axis.
+    fn panes(&self) -> impl Iterator<Item = (Trace, Rectangle, Vec<scale::Tick>)> {
+        let (traces, layout) = (self.traces.panes(), self.layout);
+        let panes = layout.panes(traces.len());
+        traces.into_iter().zip(panes).map(move |(trace, pane)| {
+            let unit = trace.unit(self.model);
+            let ticks = self.scales.of(trace).ticks(trace, unit, layout.steps(pane));
+            (trace, pane, ticks)
+        })
     }
 
     fn labels(&self, surface: &mut dyn AxesSurface) {
         let Self {
-            layout,
-            palette,
-            traces,
-            scales,
-            model,
-            ..
+            layout, palette, ..
         } = *self;
-        // The compared trace has the only axis.
-        let shows = |trace| traces.compared.is_none() && traces.has(trace);
         let plot = layout.plot;
-        let (left, right) = (f64::from(plot.left), f64::from(plot.left + plot.width));
-        let (top, height) = (f64::from(plot.top), f64::from(plot.height));
-        let offset = LABEL_OFFSET * layout.ratio;
-        let rows = |row: usize| top + height * [0.0, 0.25, 0.5, 0.75, 1.0].get(row).unwrap_or(&0.0);
-        let below = UNIT_OFFSET * layout.ratio;
-        let mut axis = |trace: Trace, labels: [String; 5], x, align, colour| {
-            for (row, label) in labels.iter().enumerate() {
-                if row % 2 == 0 || layout.has_quarters() {
-                    surface.write(label, (x, rows(row)), align, colour);
-                }
-            }
-            surface.write(trace.unit(model), (x, top + below), align, colour);
-        };
-        if let Some(trace) = traces.compared {
-            let labels = compared_labels(trace, scales);
-            axis(trace, labels, left - offset, Align::Right, palette.text);
-        }
-        for (trace, scale, x, align, colour) in [
-            (
-                Trace::Speed,
-                scales.speed,
-                left - offset,
-                Align::Right,
-                palette.speed,
-            ),
-            (
-                Trace::Current,
-                scales.current,
-                right + offset,
-                Align::Left,
-                palette.current,
-            ),
-        ] {
-            if shows(trace) {
-                axis(trace, scale.labels(), x, align, colour);
+        let left = f64::from(plot.left);
+        let x = left - LABEL_OFFSET * layout.ratio;
+        // The labels of two panes do not touch.
+        let half = TEXT / 2.0 * layout.ratio;
+        for (trace, pane, ticks) in self.panes() {
+            let colour = match self.traces.compared {
+                Some(_) => palette.text,
+                None => palette.of(trace),
+            };
+            let (top, height) = (f64::from(pane.top), f64::from(pane.height));
+            for tick in ticks {
+                let y = top + limited(tick.place * height, half, height - half);
+                surface.write(&tick.label, (x, y), Align::Right, colour);
             }
         }
-        let mut x = right - offset;
-        for (trace, colour, end) in [
-            (
-                Trace::Temperature,
-                palette.temperature,
-                scales.temperature_end,
-            ),
-            (Trace::Position, palette.position, 360),
-        ] {
-            if shows(trace) {
-                let mut write = |text: &str, y| surface.write(text, (x, y), Align::Right, colour);
-                let space = if trace == Trace::Temperature { " " } else { "" };
-                let upper = format!("{end}{space}{}", trace.unit(model));
-                write(&upper, top + below * 0.75);
-                write(&(end / 2).to_string(), rows(2) - below * 0.75);
-                write("0", rows(4) - below * 0.75);
-                x -= ANGLE_LABELS_WIDTH * layout.ratio;
-            }
-        }
+        let below = f64::from(plot.top + plot.height) + TIME_OFFSET * layout.ratio;
         for mark in &self.marks {
             let x = left + mark.place * f64::from(plot.width);
-            surface.write(
-                &mark.label,
-                (x, rows(4) + below),
-                Align::Center,
-                palette.text,
-            );
+            surface.write(&mark.label, (x, below), Align::Center, palette.text);
         }
-    }
-}
-
-/// The labels of the five lines of the only axis, from the top.
-fn compared_labels(trace: Trace, scales: Scales) -> [String; 5] {
-    match trace {
-        Trace::Speed | Trace::Goal => scales.speed.labels(),
-        Trace::Current => scales.current.labels(),
-        Trace::Temperature => scale::labels_from_zero(scales.temperature_end),
-        Trace::Position => scale::labels_from_zero(360),
     }
 }
 

@@ -6,15 +6,14 @@ use crate::{
     features::graph::{
         kept::drawing,
         plot::{
-            columns::{Dot, Grid, extent},
+            columns::{Dot, Grid, range},
             comparison::Comparison,
             end_labels::spread,
             lines::trace_lines,
             palette::Colour,
-            scale::Ends,
             surface::{FINE, Pen},
         },
-        traces::{BOLD, Tracing},
+        traces::{BOLD, Coordinates, Tracing},
     },
     model::history::History,
 };
@@ -48,26 +47,26 @@ impl Tracing<'_> {
             }
         }
         let kept = self.kept_lines(comparison.trace, grid);
-        let extents = lines.iter().map(|line| extent(&line.parts));
-        let extents = extents.chain([extent(&kept)]);
-        let ends = self
-            .scales
-            .fit(comparison.trace, extents.fold(0.0, f64::max));
-        self.draw_lines(&kept, ends, &drawing::pen(palette.text, palette.surface));
+        let shown = range(lines.iter().flat_map(|line| &line.parts).chain(&kept));
+        let ends = self.scales.fit(comparison.trace, shown).ends();
+        let coordinates = self.coordinates(self.layout.plot, ends);
+        self.surface.begin_pane(self.layout.plot);
+        let pale = drawing::pen(palette.text, palette.surface);
+        self.draw_lines(&kept, &coordinates, &pale);
         for line in &lines {
             let pen = Pen {
                 colour: line.colour,
                 width: BOLD,
                 dashed: false,
             };
-            self.draw_lines(&line.parts, ends, &pen);
+            self.draw_lines(&line.parts, &coordinates, &pen);
         }
-        self.label(&lines, ends);
+        self.surface.end_pane();
+        self.label(&lines, &coordinates);
     }
 
     /// Labels each line, so that motors can be told apart without colours.
-    fn label(&mut self, lines: &[Line], ends: Ends) {
-        let coordinates = self.coordinates(ends);
+    fn label(&mut self, lines: &[Line], coordinates: &Coordinates) {
         let mut labelled = Vec::new();
         let mut heights = Vec::new();
         for line in lines {

@@ -47,7 +47,10 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
     let [ten, minute, five] = WINDOWS;
     view! {
         <div class="graph-head">
-            <h2>{tr!("Speed and current")}</h2>
+            <h2>
+                {tr!("Speed and current")} " "
+                <span class="graph-of quiet">{dynamic(move || legend::title(chart))}</span>
+            </h2>
             // The help says between which scales sources disagree.
             <button
                 type="button"
@@ -57,16 +60,9 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
             >
                 {tr!("Scale of the current uncertain")}
             </button>
-            <div class="graph-traces" role="group" aria-label=tr!("Traces")>
-                <Switch chart trace=Trace::Speed />
-                <Switch chart trace=Trace::Current />
-                <Switch chart trace=Trace::Goal />
-                <Switch chart trace=Trace::Temperature />
-                <Switch chart trace=Trace::Position />
-            </div>
             <div
                 class="graph-comparing"
-                inner_html=legend::markup(chart.traces.get_untracked().compared)
+                inner_html=legend::choice(chart.traces.get_untracked().compared)
                 on:change=handler(move |event| {
                     let compared = Trace::from_class(&event_target_value(&event));
                     chart.traces.update(|traces| traces.compared = compared);
@@ -78,7 +74,6 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                 <Window chart window=minute />
                 <Window chart window=five />
             </div>
-            <KeepButton chart />
             <div class="graph-buttons">
                 <PressButton
                     class="button small graph-pause"
@@ -112,29 +107,22 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     on_press=move || picture::save_svg(chart, stage)
                 />
             </div>
+            <div class="graph-tools">
+                <label class="graph-symmetric">
+                    <input
+                        type="checkbox"
+                        prop:checked=dynamic(move || chart.fitting.get().symmetric)
+                        on:change=handler(move |event| {
+                            let symmetric = event_target_checked(&event);
+                            chart.fitting.update(|fitting| fitting.symmetric = symmetric);
+                            chart.wake();
+                        })
+                    />
+                    {tr!("Symmetric")}
+                </label>
+                <KeepButton chart />
+            </div>
         </div>
-    }
-}
-
-/// The switch of a trace in the legend.
-#[component]
-fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
-    let traces = chart.traces;
-    let (name, rest) = trace.name_in_parts();
-    view! {
-        <label class=format!("graph-trace {}", trace.class())>
-            <input
-                type="checkbox"
-                aria-label=trace.switch_name()
-                prop:checked=dynamic(move || traces.get().has(trace))
-                on:change=handler(move |event| {
-                    let on = event_target_checked(&event);
-                    traces.update(|traces| *traces = traces.with(trace, on));
-                    chart.wake();
-                })
-            />
-            <span>{name}<span class="graph-rest">{rest}</span></span>
-        </label>
     }
 }
 

@@ -1,4 +1,5 @@
-//! The choice of what to compare across motors, and the legend of the motors' colours.
+//! The legend, which is the read-out too: the traces of the motor or the compared motors, with their values. And the
+//! choice of what to compare.
 
 use std::fmt::Write;
 
@@ -7,22 +8,22 @@ use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, HtmlInputElement};
 
-use crate::features::graph::{
-    plot::{
-        comparison::{COMPARABLE, Comparison, MOTORS_MAX},
-        palette::{Colour, parse_colour},
-        trace::Trace,
+use crate::{
+    features::graph::{
+        overlay,
+        plot::{
+            comparison::{COMPARABLE, Comparison, MOTORS_MAX},
+            palette::{Colour, parse_colour},
+            trace::Trace,
+        },
+        state::Chart,
+        text::Text,
     },
-    text::Text,
+    ui::reactive::{dynamic, handler},
 };
 
-/// The class with the colour of a place.
-pub(crate) fn class(place: usize) -> String {
-    format!("motor-{place}")
-}
-
-/// The list of what can be compared, and the legend: one item per place, and one for the motors without a place.
-pub(crate) fn markup(compared: Option<Trace>) -> String {
+/// The list of what can be compared.
+pub(crate) fn choice(compared: Option<Trace>) -> String {
     let (compare, off) = (tr!("Compare"), tr!("Compare: off"));
     let hint = tr!("Plots one trace for every motor with data");
     let mut html = format!(
@@ -40,22 +41,91 @@ pub(crate) fn markup(compared: Option<Trace>) -> String {
         // Writing to a string cannot fail.
         let _ = write!(html, "<option value=\"{class}\"{mark}>{name}</option>");
     }
+    html + "</select></label>"
+}
+
+/// The compared motors: one item per place, and one for the motors without a place.
+fn motors() -> String {
     let legend = tr!("Motors compared");
-    let _ = write!(
-        html,
-        "</select></label>\
-         <ul hidden class=\"graph-legend\" role=\"list\" aria-label=\"{legend}\">"
-    );
+    let mut html =
+        format!("<ul hidden class=\"graph-legend\" role=\"list\" aria-label=\"{legend}\">");
     for place in 0..MOTORS_MAX {
-        let class = class(place);
-        let _ = write!(html, "<li class=\"{class}\" hidden><span></span></li>");
+        let class = overlay::motor_class(place);
+        // Writing to a string cannot fail.
+        let _ = write!(
+            html,
+            "<li class=\"{class}\" hidden><span></span><b aria-hidden=\"true\"></b></li>"
+        );
     }
     html + "<li hidden><span></span></li></ul>"
 }
 
+/// The motor that the graph shows; nothing while it compares all of them.
+pub(crate) fn title(chart: Chart) -> String {
+    chart.page.motors.names.track();
+    let id = chart.page.selected.get();
+    let compares = chart.traces.with(|traces| traces.compared.is_some());
+    if compares {
+        String::new()
+    } else {
+        chart.motor_name(id)
+    }
+}
+
+/// The legend: the motor, and the switch of each trace or the compared motors, with their values at the crosshair; at the
+/// newest reply without one.
+#[component]
+pub(crate) fn LegendPanel(chart: Chart) -> impl IntoView {
+    view! {
+        <div class="graph-side">
+            <p class="graph-of">{dynamic(move || title(chart))}</p>
+            <div class="graph-traces" role="group" aria-label=tr!("Traces")>
+                <Switch chart trace=Trace::Speed />
+                <Switch chart trace=Trace::Current />
+                <Switch chart trace=Trace::Goal />
+                <Switch chart trace=Trace::Temperature />
+                <Switch chart trace=Trace::Position />
+            </div>
+            <div class="graph-motors" inner_html=motors()></div>
+            // Outside of the img: screen readers do not read its content.
+            <output
+                class="graph-values absent"
+                aria-label=tr!("Crosshair")
+                aria-live="off"
+                aria-atomic="true"
+                inner_html=overlay::rows()
+            ></output>
+        </div>
+    }
+}
+
+/// The switch of a trace, with its value.
+#[component]
+fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
+    let traces = chart.traces;
+    let (name, rest) = trace.name_in_parts();
+    view! {
+        <label class=format!("graph-trace {}", trace.class())>
+            <input
+                type="checkbox"
+                aria-label=trace.switch_name()
+                prop:checked=dynamic(move || traces.get().has(trace))
+                on:change=handler(move |event| {
+                    let on = event_target_checked(&event);
+                    traces.update(|traces| *traces = traces.with(trace, on));
+                    chart.wake();
+                })
+            />
+            <span>{name}<span class="graph-rest">{rest}</span></span>
+            // The status `Crosshair` says it.
+            <b aria-hidden="true"></b>
+        </label>
+    }
+}
+
 /// The legend of a mounted graph, and the switches of the traces, which have no effect while it is shown.
 pub(crate) struct Legend {
-    head: Element,
+    side: Element,
     list: HtmlElement,
     items: Vec<(HtmlElement, Text)>,
     more: (HtmlElement, Text),
@@ -84,7 +154,7 @@ impl Legend {
             boxes.push(panel.query_selector(&selector).ok()??.dyn_into().ok()?);
         }
         Some(Self {
-            head: panel.query_selector(".graph-head").ok()??,
+            side: panel.query_selector(".graph-side").ok()??,
             list,
             items,
             more,
@@ -108,7 +178,7 @@ impl Legend {
         self.list.set_hidden(comparison.is_none());
         // It fails for names with spaces.
         let _ = self
-            .head
+            .side
             .class_list()
             .toggle_with_force("compares", comparison.is_some());
         for checkbox in &self.boxes {

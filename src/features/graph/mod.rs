@@ -7,11 +7,11 @@
 //! | `pointer` | pointer, wheel and keys on the graph itself |
 //! | `stage` | the canvases and their animation loop |
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
-//! | `legend` | the compared trace, and the colours of the motors |
+//! | `legend` | the traces and the compared motors, with their values |
 //! | `kept` | a run that is kept, to compare another one with it |
 //! | `resize` | the height, dragged at the edge |
 //! | `reading` | what the crosshair reads |
-//! | `overlay` | the crosshair and its values |
+//! | `overlay` | the line of the crosshair, and the texts of the values |
 //! | `description` | the values in words |
 //! | `watchers` | size, visibility and theme |
 //! | `picture` | the PNG image and the SVG drawing |
@@ -43,7 +43,9 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
-use self::{controls::Controls, kept::controls::KeptRun, resize::Edge, state::Chart};
+use self::{
+    controls::Controls, kept::controls::KeptRun, legend::LegendPanel, resize::Edge, state::Chart,
+};
 use crate::{
     features::graph::{plot::texts, stage::StageCell},
     ui::reactive::{dynamic, handler, memo},
@@ -82,6 +84,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
             <Controls chart stage />
             <KeptRun chart />
             <div class="graph-box" node_ref=place>
+                <LegendPanel chart />
                 <div
                     class="graph-plot"
                     role="img"
@@ -101,14 +104,6 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                 <p class="graph-none quiet" hidden=dynamic(move || !empty.get())>
                     {texts::no_graph()}
                 </p>
-                // Outside of the img: screen readers do not read its content.
-                <output
-                    class="graph-values absent"
-                    aria-label=tr!("Crosshair")
-                    aria-live="off"
-                    aria-atomic="true"
-                    inner_html=overlay::rows()
-                ></output>
                 <p hidden id="graph-words"></p>
                 <p hidden id="graph-keys">
                     // Read aloud after the values.

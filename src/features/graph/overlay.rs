@@ -1,4 +1,4 @@
-//! The crosshair: a line over the graph, and the values in the place of the legend, where they cover no curve.
+//! The crosshair: a line over the graph, and the values in the legend, where they cover no curve.
 
 use std::fmt::Write;
 
@@ -7,7 +7,6 @@ use web_sys::{Element, HtmlElement};
 
 use crate::{
     features::graph::{
-        legend,
         plot::{comparison::MOTORS_MAX, trace::Trace},
         text::Text,
     },
@@ -30,9 +29,14 @@ pub(crate) fn rows() -> String {
         row(trace.class(), trace.name());
     }
     for place in 0..MOTORS_MAX {
-        row(&legend::class(place), "");
+        row(&motor_class(place), "");
     }
     rows
+}
+
+/// The class with the colour of a place.
+pub(crate) fn motor_class(place: usize) -> String {
+    format!("motor-{place}")
 }
 
 /// A value at the crosshair: of a trace, or of the compared motor at a place.
@@ -57,6 +61,8 @@ struct Row {
     element: HtmlElement,
     name: Text,
     value: Text,
+    /// The value in the legend.
+    legend: Text,
 }
 
 impl Overlay {
@@ -65,12 +71,16 @@ impl Overlay {
         let find = |selector: &str| graph.query_selector(selector).ok().flatten();
         let html = |selector: &str| find(selector)?.dyn_into::<HtmlElement>().ok();
         let traces = Trace::ALL.map(|trace| trace.class().to_owned());
-        let motors = (0..MOTORS_MAX).map(legend::class);
+        let motors = (0..MOTORS_MAX).map(motor_class);
         let mut rows = Vec::new();
         for class in traces.into_iter().chain(motors) {
             let element = html(&format!(".graph-values .{class}"))?;
             let part = |name| element.query_selector(name).ok().flatten().map(Text::of);
+            let legend = find(&format!(
+                ".graph-side label.{class} b, .graph-side li.{class} b"
+            ))?;
             rows.push(Row {
+                legend: Text::of(legend),
                 name: part("span")?,
                 value: part("b")?,
                 element,
@@ -105,17 +115,7 @@ impl Overlay {
         self.aloud
             .set(if by_keys { "polite" } else { "off" }.to_owned());
         self.when.set(when);
-        let mut shown = vec![false; self.rows.len()];
-        for value in values {
-            let (place, text) = match value {
-                CrosshairValue::Trace(trace, text) => (trace.place(), text),
-                CrosshairValue::Motor(place, text) => (Trace::ALL.len() + place, text),
-            };
-            if let (Some(row), Some(shown)) = (self.rows.get_mut(place), shown.get_mut(place)) {
-                row.value.set(text);
-                *shown = true;
-            }
-        }
+        let shown = self.write(values);
         // It fails for invalid names and values; these are valid.
         let _ = self
             .line
@@ -124,8 +124,34 @@ impl Overlay {
         self.set_shown(Some(shown));
     }
 
+    /// Shows these values in the legend, without a crosshair.
+    pub(crate) fn show_newest(&mut self, values: Vec<CrosshairValue>) {
+        self.write(values);
+    }
+
     pub(crate) fn hide(&mut self) {
         self.set_shown(None);
+    }
+
+    /// Writes the values. Returns which rows have one.
+    fn write(&mut self, values: Vec<CrosshairValue>) -> Vec<bool> {
+        let mut texts = vec![None; self.rows.len()];
+        for value in values {
+            let (place, text) = match value {
+                CrosshairValue::Trace(trace, text) => (trace.place(), text),
+                CrosshairValue::Motor(place, text) => (Trace::ALL.len() + place, text),
+            };
+            if let Some(at) = texts.get_mut(place) {
+                *at = Some(text);
+            }
+        }
+        let shown = texts.iter().map(Option::is_some).collect();
+        for (row, text) in self.rows.iter_mut().zip(texts) {
+            let text = text.unwrap_or_default();
+            row.value.set(text.clone());
+            row.legend.set(text);
+        }
+        shown
     }
 
     fn set_shown(&mut self, shown: Option<Vec<bool>>) {

@@ -95,6 +95,7 @@ fn vector(chart: Chart, stage: &Stage, now: LocalTime) -> String {
         let mut tracing = Tracing {
             surface: &mut lines,
             scales: &mut scales,
+            fitting: chart.fitting.get_untracked(),
             layout,
             palette,
             kept: kept_run(chart, history, grid),
@@ -211,13 +212,7 @@ fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Ent
         Subject::Motor { id, traces, .. } => {
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
             let entry = |trace| Entry {
-                colour: match trace {
-                    Trace::Speed => palette.speed,
-                    Trace::Current => palette.current,
-                    Trace::Goal => palette.text,
-                    Trace::Temperature => palette.temperature,
-                    Trace::Position => palette.position,
-                },
+                colour: palette.of(trace),
                 dashed: trace == Trace::Goal,
                 name: with_unit(trace),
             };

@@ -18,6 +18,9 @@ use crate::features::graph::{
     state::{Chart, Crosshair},
 };
 
+/// Minimal time between updates of the newest values: faster ones cannot be read.
+const READ_EVERY_MS: f64 = 200.0;
+
 impl Stage {
     pub(crate) fn show_crosshair(
         &mut self,
@@ -26,6 +29,7 @@ impl Stage {
         grid: Grid,
         shown: Content<'_>,
         now_us: u64,
+        frame_ms: f64,
     ) {
         let Content {
             history, subject, ..
@@ -37,10 +41,17 @@ impl Stage {
             Crosshair::Moment(at_us) => Some(grid.place(at_us)),
         };
         let column = column.filter(|column| (0.0..=width).contains(column));
+        let model = chart.page.model.get_untracked();
         let (Some(column), Some(_)) = (column, subject.newest(history)) else {
             self.overlay.hide();
+            if frame_ms - self.read_ms >= READ_EVERY_MS {
+                self.read_ms = frame_ms;
+                let at = Instant::from_micros(view.right_us(now_us));
+                self.overlay.show_newest(values_at(shown, model, at));
+            }
             return;
         };
+        self.read_ms = f64::NEG_INFINITY;
         let at_us = match chart.crosshair.get() {
             Crosshair::Moment(at_us) => at_us,
             _ => grid.moment_us(column),
@@ -54,7 +65,6 @@ impl Stage {
             Subject::Motor { mirror, .. } => marked(when, *mirror),
             Subject::Compared(_) => when,
         };
-        let model = chart.page.model.get_untracked();
         let values = values_at(shown, model, Instant::from_micros(at_us));
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
         let x = self.layout.x(column);

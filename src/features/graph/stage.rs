@@ -19,7 +19,7 @@ use crate::{
             comparison::{Comparison, Subject},
             layout::Layout,
             palette::{Palette, parse_colour},
-            scale::Scales,
+            scale::{Fitting, Scales},
             view::View,
         },
         state::Chart,
@@ -57,6 +57,7 @@ struct Scene {
     recalled: u32,
     /// The kept run and its place.
     kept: Option<(u32, i64)>,
+    fitting: Fitting,
 }
 
 /// The mounted graph.
@@ -74,6 +75,8 @@ pub(crate) struct Stage {
     /// The comparison in the legend.
     named: Option<Comparison>,
     drawn_ms: f64,
+    /// When the newest values were written.
+    pub(crate) read_ms: f64,
     stopwatch: watchers::Stopwatch,
     _watchers: Watchers,
 }
@@ -140,7 +143,7 @@ impl Stage {
         Some(Self {
             axes: Axes::of(canvas(".graph-axes")?)?,
             lines: TraceCanvas::of(canvas(".graph-lines")?)?,
-            scales: Scales::new(),
+            scales: Scales::default(),
             overlay: Overlay::of(place)?,
             legend: Legend::of(&place.parent_element()?)?,
             description: Description::of(find("#graph-words")?),
@@ -149,6 +152,7 @@ impl Stage {
             scene: None,
             named: None,
             drawn_ms: f64::NEG_INFINITY,
+            read_ms: f64::NEG_INFINITY,
             stopwatch: watchers::Stopwatch::new(),
             _watchers: Watchers::of(chart, &plot),
             plot,
@@ -193,12 +197,13 @@ impl Stage {
                 settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
                 recalled: history.recalled(),
                 kept: kept.as_ref().map(Aligned::drawn_as),
+                fitting: chart.fitting.get_untracked(),
             };
             if self.scene != Some(scene) {
                 self.scene = Some(scene);
                 self.drawn_ms = frame_ms;
                 self.stopwatch.start();
-                self.draw_lines(history, &subject, kept.clone(), grid, now_us);
+                self.draw_lines(history, scene, kept.clone(), grid, now_us);
                 self.draw_axes(chart, view, grid);
                 self.stopwatch.stop();
             }
@@ -207,7 +212,7 @@ impl Stage {
                 subject: &subject,
                 kept: kept.as_ref(),
             };
-            self.show_crosshair(chart, view, grid, shown, now_us);
+            self.show_crosshair(chart, view, grid, shown, now_us, frame_ms);
             let next = self
                 .description
                 .update(chart, view, shown, now_us, frame_ms);
@@ -293,7 +298,7 @@ impl Stage {
     fn draw_lines(
         &mut self,
         history: &History,
-        subject: &Subject,
+        scene: Scene,
         kept: Option<Aligned>,
         grid: Grid,
         now_us: u64,
@@ -302,11 +307,12 @@ impl Stage {
         let mut tracing = Tracing {
             surface: &mut self.lines,
             scales: &mut self.scales,
+            fitting: scene.fitting,
             layout: self.layout,
             palette: self.palette,
             kept,
         };
-        tracing.draw(history, subject, grid, now_us);
+        tracing.draw(history, &scene.subject, grid, now_us);
     }
 
     fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid) {

@@ -15,6 +15,7 @@ use crate::{
         comparison::{Subject, motor_name},
         keys::GraphAction,
         layout::Layout,
+        scale::Fitting,
         trace::Traces,
         view::{Reach, View},
     },
@@ -62,6 +63,7 @@ pub(crate) struct Parts {
     pub(crate) page: Page,
     pub(crate) view: RwSignal<View>,
     pub(crate) traces: RwSignal<Traces>,
+    pub(crate) fitting: RwSignal<Fitting>,
     /// Whether it takes the place of the whole desk.
     pub(crate) expanded: RwSignal<bool>,
     pub(crate) crosshair: Cell<Crosshair>,
@@ -87,6 +89,7 @@ impl Chart {
             page,
             view: RwSignal::new(View::default()),
             traces: RwSignal::new(Traces::default()),
+            fitting: RwSignal::new(Fitting::default()),
             expanded: RwSignal::new(false),
             crosshair: Cell::new(Crosshair::None),
             drag: Cell::new(None),

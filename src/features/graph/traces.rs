@@ -15,12 +15,12 @@ use crate::{
     features::graph::{
         kept::{drawing, state::Aligned},
         plot::{
-            columns::{Dot, Grid, extent},
+            columns::{Dot, Grid, range},
             comparison::Subject,
             layout::{Layout, Rectangle},
             lines::{goal_lines, trace_lines},
             palette::{Colour, Palette, css},
-            scale::{Ends, Scales},
+            scale::{Ends, Fitting, Scales},
             strokes::{Pixel, Strokes, strokes},
             surface::{DASH, FINE, LineSurface, Pen},
             trace::{Trace, Traces},
@@ -55,6 +55,7 @@ pub(crate) struct TraceCanvas {
 pub(crate) struct Tracing<'a> {
     pub(crate) surface: &'a mut dyn LineSurface,
     pub(crate) scales: &'a mut Scales,
+    pub(crate) fitting: Fitting,
     pub(crate) layout: Layout,
     pub(crate) palette: Palette,
     /// The kept run, under everything else.
@@ -67,6 +68,7 @@ pub(crate) type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 impl Tracing<'_> {
     /// Draws what was reported in these columns, and setpoints up to now.
     pub(crate) fn draw(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
+        self.scales.choose(self.fitting);
         match subject {
             Subject::Motor { id, mirror, traces } => {
                 if let Some(track) = history.track(*id) {
@@ -86,16 +88,9 @@ impl Tracing<'_> {
         grid: Grid,
         now_us: u64,
     ) {
-        // The most important trace comes last, on top.
-        for trace in [
-            Trace::Position,
-            Trace::Temperature,
-            Trace::Current,
-            Trace::Speed,
-        ] {
-            if !traces.has(trace) {
-                continue;
-            }
+        let panes = traces.panes();
+        for (trace, pane) in panes.iter().zip(self.layout.panes(panes.len())) {
+            let trace = *trace;
             let lines = trace_lines(history, track, trace, mirror, grid);
             let goals = if traces.has(Trace::Goal) {
                 goal_lines(track, trace, mirror, grid, now_us)
@@ -103,24 +98,26 @@ impl Tracing<'_> {
                 Vec::new()
             };
             let kept = self.kept_lines(trace, grid);
-            let extent = extent(&lines).max(extent(&goals)).max(extent(&kept));
-            let ends = self.scales.fit(trace, extent);
-            let colour = match trace {
-                Trace::Current => self.palette.current,
-                Trace::Temperature => self.palette.temperature,
-                Trace::Position => self.palette.position,
-                Trace::Speed | Trace::Goal => self.palette.speed,
-            };
-            let pen = |width, dashed| Pen {
-                colour,
-                width,
-                dashed,
-            };
+            let shown = range(lines.iter().chain(&goals).chain(&kept));
+            let ends = self.scales.fit(trace, shown).ends();
+            let coordinates = self.coordinates(pane, ends);
+            let colour = self.palette.of(trace);
             let pale = drawing::pen(colour, self.palette.surface);
-            self.draw_lines(&kept, ends, &pale);
-            self.draw_lines(&goals, ends, &pen(THIN, true));
-            let width = if trace == Trace::Speed { BOLD } else { THIN };
-            self.draw_lines(&lines, ends, &pen(width, false));
+            let goal = Pen {
+                colour: self.palette.of(Trace::Goal),
+                width: THIN,
+                dashed: true,
+            };
+            let pen = Pen {
+                colour,
+                width: if trace == Trace::Speed { BOLD } else { THIN },
+                dashed: false,
+            };
+            self.surface.begin_pane(pane);
+            self.draw_lines(&kept, &coordinates, &pale);
+            self.draw_lines(&goals, &coordinates, &goal);
+            self.draw_lines(&lines, &coordinates, &pen);
+            self.surface.end_pane();
         }
     }
 
@@ -130,19 +127,17 @@ impl Tracing<'_> {
         kept.map(|kept| kept.lines(trace, grid)).unwrap_or_default()
     }
 
-    /// The positions of dots in the plot, in subpixels.
-    pub(crate) fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
-        let plot = self.layout.plot;
-        let across = FINE * plot.left..FINE * (plot.left + plot.width);
-        let up = FINE * (plot.top + plot.height)..FINE * plot.top;
+    /// The positions of dots in a pane, in subpixels.
+    pub(crate) fn coordinates(&self, pane: Rectangle, (lower, upper): Ends) -> Coordinates {
+        let across = FINE * pane.left..FINE * (pane.left + pane.width);
+        let up = FINE * (pane.top + pane.height)..FINE * pane.top;
         let columns = 0.0..f64::from(self.layout.columns());
         Cartesian2d::new(columns, lower..upper, (across, up))
     }
 
-    pub(crate) fn draw_lines(&mut self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
-        let coordinates = self.coordinates(ends);
+    pub(crate) fn draw_lines(&mut self, lines: &[Vec<Dot>], at: &Coordinates, pen: &Pen) {
         for line in lines {
-            let points = line.iter().map(|dot| coordinates.translate(dot));
+            let points = line.iter().map(|dot| at.translate(dot));
             self.surface.line(points.collect(), pen);
         }
     }
@@ -165,21 +160,7 @@ impl TraceCanvas {
         self.layout = layout;
         super::axes::resize(&self.canvas, layout);
         let fine = f64::from(FINE);
-        // A canvas loses its settings when its size is set.
-        let Rectangle {
-            left, top, height, ..
-        } = layout.plot;
-        let bleed = (BLEED * layout.ratio).ceil();
-        self.context.begin_path();
-        self.context.rect(
-            f64::from(left),
-            f64::from(top) - bleed,
-            // Up to the edge of the canvas: the names of the lines are after their ends.
-            f64::from(layout.width) - f64::from(left),
-            f64::from(height) + 2.0 * bleed,
-        );
-        self.context.clip();
-        // It fails for invalid numbers only.
+        // A canvas loses its settings when its size is set. It fails for invalid numbers only.
         let _ = self.context.scale(1.0 / fine, 1.0 / fine);
         // A mitre join would extend far beyond the end of a spike.
         self.context.set_line_join("bevel");
@@ -244,6 +225,25 @@ impl TraceCanvas {
 }
 
 impl LineSurface for TraceCanvas {
+    fn begin_pane(&mut self, pane: Rectangle) {
+        let bleed = (BLEED * self.layout.ratio).ceil();
+        let [left, top, width, height] = [
+            f64::from(pane.left),
+            f64::from(pane.top) - bleed,
+            f64::from(pane.width),
+            f64::from(pane.height) + 2.0 * bleed,
+        ]
+        .map(|length| length * f64::from(FINE));
+        self.context.save();
+        self.context.begin_path();
+        self.context.rect(left, top, width, height);
+        self.context.clip();
+    }
+
+    fn end_pane(&mut self) {
+        self.context.restore();
+    }
+
     fn line(&mut self, points: Vec<Pixel>, pen: &Pen) {
         if pen.dashed {
             self.set_dashed(true);

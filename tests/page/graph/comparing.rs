@@ -60,7 +60,8 @@ fn legend(bench: &Page) -> Vec<(String, [u8; 3])> {
             .split(", ")
             .map(|part| part.parse().unwrap())
             .collect();
-        (text_of(&item), parts.try_into().unwrap())
+        let name = item.query_selector("span").unwrap().unwrap();
+        (text_of(name.unchecked_ref()), parts.try_into().unwrap())
     };
     (0..items.length()).map(item).collect()
 }
@@ -84,19 +85,19 @@ async fn every_motor_has_its_line_in_the_colour_of_the_legend() {
         bench
             .until("its line", || !rows_of(&canvas, *colour, 60).is_empty())
             .await;
-        // From +400 at the top to −400: 30 rpm are three eightieths.
+        // From 300 at the top to 0: 30 rpm are a tenth.
         let line = rows_of(&canvas, *colour, 60)[0];
-        let wanted = 8 + height * (400 - 30 * motor) / 800;
+        let wanted = 8 + height * (10 - motor) / 10;
         assert!(line.abs_diff(wanted) <= 3, "{motor}: {line}, not {wanted}");
     }
-    assert_eq!(name(&bench), "Speed of each motor, last 60 s");
+    assert_eq!(name(&bench), "Speed of each motor, last 10 s");
     let speed: HtmlInputElement = bench.find("checkbox", "Show speed").unchecked_into();
     assert!(speed.disabled());
 
     compare(&bench, "");
     bench.until("one motor", || !compares()).await;
     assert!(!speed.disabled());
-    assert_eq!(name(&bench), "Speed and current, last 60 s");
+    assert_eq!(name(&bench), "Speed and current, last 10 s");
 }
 
 #[wasm_bindgen_test]

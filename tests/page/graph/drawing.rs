@@ -6,8 +6,8 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::Event;
 
 use super::{
-    PropertyOverride, bench, canvas, colour_of, context, is_drawn, name, report, rows_of, steady,
-    wipe,
+    PropertyOverride, bench, canvas, colour_of, context, is_drawn, name, pane, report, rows_of,
+    steady, wipe,
 };
 use crate::bench::{document, pause};
 
@@ -23,12 +23,19 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
     bench
         .until("a line", || !rows_of(&canvas, speed, 20).is_empty())
         .await;
-    // From the top: +400 at 8 pixels, so 300 at an eighth of the plot and 100 at three eighths.
-    let height = canvas.height() as usize - 30;
+    // The upper pane, from 350 down to 50.
+    let (top, height) = pane(&canvas, 0, 2);
     let line = rows_of(&canvas, speed, 20)[0];
-    assert!(line.abs_diff(8 + height * 3 / 8) <= 2, "{line} of {height}");
+    assert!(
+        line.abs_diff(top + height * 5 / 6) <= 2,
+        "{line} of {height}"
+    );
     let spike = rows_of(&canvas, speed, 1)[0];
-    assert!(spike.abs_diff(8 + height / 8) <= 2, "{spike} of {height}");
+    assert!(spike.abs_diff(top + height / 6) <= 2, "{spike} of {height}");
+    // The current has a pane of its own below, from 0.1 to -0.1.
+    let (top, height) = pane(&canvas, 1, 2);
+    let line = rows_of(&canvas, colour_of(&bench, "--current"), 20)[0];
+    assert!(line.abs_diff(top + height / 2) <= 2, "{line} of {height}");
 }
 
 #[wasm_bindgen_test]
@@ -122,7 +129,7 @@ async fn a_paused_graph_stands_still_and_goes_on_where_the_time_is() {
     assert!(!is_drawn(&canvas));
     bench.click("Resume");
     bench.until("a line", || is_drawn(&canvas)).await;
-    assert_eq!(name(&bench), "Speed and current, last 60 s");
+    assert_eq!(name(&bench), "Speed and current, last 10 s");
 }
 
 #[wasm_bindgen_test]

@@ -144,6 +144,12 @@ fn is_drawn(canvas: &HtmlCanvasElement) -> bool {
     pixels(canvas).iter().any(|[.., opacity]| *opacity > 0)
 }
 
+/// The top and the height of this pane of so many, in pixels of the canvas.
+fn pane(canvas: &HtmlCanvasElement, place: usize, count: usize) -> (usize, usize) {
+    let height = (canvas.height() as usize - 30 - 10 * (count - 1)) / count;
+    (8 + place * (height + 10), height)
+}
+
 /// Wipes the canvas, so that the next drawing is seen.
 fn wipe(canvas: &HtmlCanvasElement) {
     context(canvas).clear_rect(0.0, 0.0, 1e5, 1e5);

@@ -7,7 +7,7 @@ use motorlink_messages::{
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use super::{bench, canvas, colour_of, graph, report, rows_of, sample, steady};
+use super::{bench, canvas, colour_of, graph, pane, report, rows_of, sample, steady};
 use crate::{
     bench::press,
     fake_sessions::{FakeSessions, drop_file, info},
@@ -23,7 +23,9 @@ async fn a_recording_has_its_own_graph_and_the_live_one_is_back_after_it() {
     let line = || rows_of(&canvas, speed, 20);
     report(&bench, steady(20_000, 300));
     bench.until("the live line", || !line().is_empty()).await;
-    let middle = (canvas.height() as usize - 30) / 2;
+    bench.find("checkbox", "Symmetric").click();
+    let (top, height) = pane(&canvas, 0, 2);
+    let middle = top + height / 2;
     let is_above = || line().iter().all(|row| *row < middle) && !line().is_empty();
     bench.until("it to be above zero", is_above).await;
     bench.post(&closed_port(vec![]));

@@ -232,10 +232,16 @@ fn crossing(from: Dot, to: Dot, edge: f64) -> Dot {
     (edge, from.1 + (to.1 - from.1) * part)
 }
 
-/// The greatest distance from zero.
-pub(crate) fn extent(lines: &[Vec<Dot>]) -> f64 {
-    let values = lines.iter().flatten().map(|(_, value)| value.abs());
-    values.fold(0.0, f64::max)
+/// The least and the greatest value of something.
+pub(crate) type Range = (f64, f64);
+
+/// The range of these lines; `None` without a dot.
+pub(crate) fn range<'a>(lines: impl IntoIterator<Item = &'a Vec<Dot>>) -> Option<Range> {
+    let values = lines.into_iter().flatten().map(|(_, value)| *value);
+    values.fold(None, |range, value| {
+        let (least, greatest) = range.unwrap_or((value, value));
+        Some((value.min(least), value.max(greatest)))
+    })
 }
 
 #[cfg(test)]

@@ -152,8 +152,8 @@ fn a_cut_is_not_bridged_and_a_lone_value_is_seen() {
 }
 
 #[test]
-fn the_extent_is_the_greatest_distance_from_zero() {
+fn the_range_is_from_the_least_to_the_greatest_value() {
     let lines = [vec![(0.0, 3.0)], vec![(1.0, -7.5), (2.0, 1.0)]];
-    assert!((extent(&lines) - 7.5).abs() < 1e-9);
-    assert!(extent(&[]).abs() < 1e-9);
+    assert_eq!(range(&lines), Some((-7.5, 3.0)));
+    assert_eq!(range(&[]), None);
 }

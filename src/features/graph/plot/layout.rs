@@ -2,10 +2,10 @@
 
 use crate::ui::mathematics::limited;
 
-/// Width of the labels of the speed axis, `−40000`, in CSS pixels.
-const LEFT: f64 = 44.0;
-/// Width of the labels of the current axis, `−0.25`.
-const RIGHT: f64 = 42.0;
+/// Width of the labels of the values, `+400 U/min`, in CSS pixels.
+const LEFT: f64 = 68.0;
+/// Width of the names behind compared lines, `0x0A`, and half a time of day.
+const RIGHT: f64 = 36.0;
 /// Half a line of text above the top line.
 const TOP: f64 = 8.0;
 /// Height of the time axis.
@@ -17,6 +17,8 @@ const AGO_WIDTH: f64 = 72.0;
 const DAY_WIDTH: f64 = 92.0;
 /// Height of a row of labels with a gap.
 const ROW: f64 = 24.0;
+/// Gap between two panes.
+const GAP: f64 = 10.0;
 
 /// Least size of a picture in pixels, without its legend: it fills the width of a page in print.
 const PICTURE: [f64; 2] = [1_600.0, 900.0];
@@ -41,6 +43,7 @@ pub(crate) struct Layout {
     /// Width of the graph in device pixels.
     pub(crate) width: u32,
     pub(crate) height: u32,
+    /// All panes with the gaps between them.
     pub(crate) plot: Rectangle,
 }
 
@@ -107,9 +110,21 @@ impl Layout {
         limited(self.column(x) / width, 0.0, 1.0)
     }
 
-    /// Whether every quarter of the height has room for a label, not only every half.
-    pub(crate) fn has_quarters(self) -> bool {
-        f64::from(self.plot.height) >= 4.0 * ROW * self.ratio
+    /// The panes from the top, all of one height.
+    pub(crate) fn panes(self, count: usize) -> impl Iterator<Item = Rectangle> {
+        let count = i32::try_from(count).unwrap_or(1).max(1);
+        let gap = pixels(GAP * self.ratio);
+        let height = ((self.plot.height - gap * (count - 1)) / count).max(0);
+        (0..count).map(move |place| Rectangle {
+            top: self.plot.top + place * (height + gap),
+            height,
+            ..self.plot
+        })
+    }
+
+    /// Maximal number of steps between the labels of a pane.
+    pub(crate) fn steps(self, pane: Rectangle) -> i32 {
+        pixels(f64::from(pane.height) / (ROW * self.ratio)).max(1)
     }
 
     /// Maximal number of marks on the time axis.
@@ -180,10 +195,10 @@ mod tests {
     fn a_place_is_found_from_either_side() {
         for ratio in [1.0, 1.25, 2.0, 3.0] {
             let layout = Layout::new(703.4, 201.7, ratio);
-            for x in [44.0, 100.0, 655.5] {
+            for x in [68.0, 100.0, 655.5] {
                 assert!((layout.x(layout.column(x)) - x).abs() < 1e-9);
             }
-            assert!(layout.column(44.0).abs() < 1.0);
+            assert!(layout.column(68.0).abs() < 1.0);
             assert_eq!((layout.part(0.0), layout.part(700.0)), (0.0, 1.0));
         }
     }
@@ -210,7 +225,19 @@ mod tests {
         assert_eq!(Layout::new(346.0, 150.0, 3.0).marks(true), 3);
         assert_eq!(Layout::new(346.0, 150.0, 3.0).marks(false), 2);
         assert_eq!(Layout::new(90.0, 150.0, 1.0).marks(true), 1);
-        assert!(Layout::new(500.0, 150.0, 2.0).has_quarters());
-        assert!(!Layout::new(500.0, 110.0, 2.0).has_quarters());
+    }
+
+    #[test]
+    fn panes_share_the_height_and_have_room_for_their_labels() {
+        for ratio in [1.0, 2.0] {
+            let layout = Layout::new(500.0, 230.0, ratio);
+            assert_eq!(layout.panes(1).collect::<Vec<_>>(), [layout.plot]);
+            let panes: Vec<Rectangle> = layout.panes(2).collect();
+            let gap = panes[1].top - panes[0].top - panes[0].height;
+            assert_eq!(f64::from(gap).to_bits(), (GAP * ratio).to_bits());
+            let bottom = panes[1].top + panes[1].height;
+            assert_eq!(bottom, layout.plot.top + layout.plot.height);
+            assert_eq!((layout.steps(layout.plot), layout.steps(panes[1])), (8, 3));
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The colours of the style sheet as numbers: a canvas does not resolve custom properties.
 
-use crate::features::graph::plot::comparison::MOTORS_MAX;
+use crate::features::graph::plot::{comparison::MOTORS_MAX, trace::Trace};
 
 /// A colour: red, green, blue.
 pub(crate) type Colour = (u8, u8, u8);
@@ -40,6 +40,17 @@ impl Palette {
             (0x5a, 0x64, 0x74),
         ],
     };
+
+    /// The colour of a trace of one motor. The goal has its own, whatever its quantity.
+    pub(crate) const fn of(self, trace: Trace) -> Colour {
+        match trace {
+            Trace::Speed => self.speed,
+            Trace::Current => self.current,
+            Trace::Goal => self.text,
+            Trace::Temperature => self.temperature,
+            Trace::Position => self.position,
+        }
+    }
 }
 
 /// Parses a computed colour: `rgb(11, 100, 189)`, or `rgba(11, 100, 189, 0.5)` if it is transparent. Anything else

@@ -1,210 +1,317 @@
-//! The range of the axes: round steps, symmetric about zero, with hysteresis.
+//! The range of the value axis of each pane: from the least to the greatest value with a margin, at round ends, with
+//! hysteresis.
 
-use crate::{features::graph::plot::trace::Trace, ui::format};
 use motorlink_i18n::terms::in_language;
 
-/// In rpm. A motor runs up to 330, but a wheel pushed by hand or a garbled reply can give any value.
-const SPEED_LIMITS: [u16; 10] = [
-    50, 100, 200, 400, 1_000, 2_000, 5_000, 10_000, 20_000, 40_000,
-];
+use crate::{
+    features::graph::plot::{columns::Range, ticks::thousandths, trace::Trace},
+    ui::mathematics::limited,
+};
 
-/// In hundredths of an amp, up to full scale of a reply. The smallest is ten times the noise of a motor at
-/// standstill.
-const CURRENT_LIMITS: [u16; 5] = [50, 100, 200, 400, 800];
+/// Margin on either side, as a part of what is shown.
+const MARGIN: i32 = 16;
+/// The scale grows when a value comes nearer to its end than this part of it, so that a line does not run along the edge.
+const NEAR: i32 = 50;
+/// Maximal number of steps to which the ends are rounded.
+const PARTS: i32 = 8;
+/// The scale shrinks when the values need less than so many per cent of it. The hysteresis prevents changes by values
+/// that come and go.
+const SHRINK_PERCENT: i64 = 60;
+/// Beyond every value: a reply holds up to 32,768 rpm.
+const GREATEST: i32 = 100_000_000;
 
-/// The scale grows when the values exceed this part of it, so that a line does not run along the edge.
-const GROW: f64 = 0.95;
-/// The scale shrinks when the values fit into this part of the smaller one. The hysteresis prevents changes by values
-/// near its end.
-const SHRINK: f64 = 0.75;
+/// The values at the lower and the upper end of a pane.
+pub(crate) type Ends = (f64, f64);
 
-/// A symmetric axis with zero in its middle.
+/// A range in thousandths of the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scale {
-    limits: &'static [u16],
-    /// Hundredths of the unit per unit of the limits.
-    hundredths: u16,
-    chosen: usize,
+    lower: i32,
+    upper: i32,
 }
 
 impl Scale {
-    pub(crate) const fn of_speed() -> Self {
+    /// The scale of these values, without hysteresis.
+    fn of(trace: Trace, (least, greatest): (i32, i32)) -> Self {
+        let margin = (greatest - least) / MARGIN;
+        let short = (least_span(trace) - (greatest - least + 2 * margin)).max(0);
+        let (lower, upper) = (least - margin - short / 2, greatest + margin + short / 2);
+        let step = step(upper - lower, PARTS);
+        let scale = Self {
+            lower: lower.div_euclid(step) * step,
+            upper: (upper + step - 1).div_euclid(step) * step,
+        };
+        scale.within(limits(trace))
+    }
+
+    fn within(self, (lower, upper): (i32, i32)) -> Self {
         Self {
-            limits: &SPEED_LIMITS,
-            hundredths: 100,
-            chosen: 2,
+            lower: self.lower.max(lower),
+            upper: self.upper.min(upper),
         }
     }
 
-    pub(crate) const fn of_current() -> Self {
-        Self {
-            limits: &CURRENT_LIMITS,
-            hundredths: 1,
-            chosen: 1,
-        }
+    const fn span(self) -> i32 {
+        self.upper - self.lower
     }
 
-    /// The value at the upper end, in hundredths of the unit.
-    fn limit_hundredths(self) -> u32 {
-        let limit = self.limits.get(self.chosen).copied().unwrap_or(u16::MAX);
-        u32::from(limit) * u32::from(self.hundredths)
+    /// The scale for these values: it grows at once and shrinks with hysteresis.
+    fn fitted(self, trace: Trace, (least, greatest): (i32, i32)) -> Self {
+        let wanted = Self::of(trace, (least, greatest));
+        let near = self.span() / NEAR;
+        let needed = Self {
+            lower: least - near,
+            upper: greatest + near,
+        };
+        let needed = needed.within(limits(trace));
+        let holds = self.lower <= needed.lower && needed.upper <= self.upper;
+        let is_roomy = i64::from(wanted.span()) * 100 < i64::from(self.span()) * SHRINK_PERCENT;
+        if holds && !is_roomy { self } else { wanted }
     }
 
-    /// The value at the upper end. The lower end is its negative.
-    pub(crate) fn limit(self) -> f64 {
-        f64::from(self.limit_hundredths()) / 100.0
+    pub(crate) fn ends(self) -> Ends {
+        let value = |thousandths| f64::from(thousandths) / 1_000.0;
+        (value(self.lower), value(self.upper))
     }
 
-    /// The scale for values up to this distance from zero. It grows at once and shrinks with hysteresis.
-    #[must_use]
-    pub(crate) fn fitted(self, extent: f64) -> Self {
-        let at = |chosen| Self { chosen, ..self };
-        let last = self.limits.len().saturating_sub(1);
-        let mut scale = self;
-        while scale.chosen < last && extent > scale.limit() * GROW {
-            scale = at(scale.chosen + 1);
-        }
-        while scale.chosen > 0 && extent <= at(scale.chosen - 1).limit() * SHRINK {
-            scale = at(scale.chosen - 1);
-        }
-        scale
-    }
-
-    /// The labels of the five lines, from the top: `+200`, `+100`, `0`, `−100`, `−200`.
-    pub(crate) fn labels(self) -> [String; 5] {
-        let limit = i32::try_from(self.limit_hundredths()).unwrap_or(i32::MAX);
-        [limit, limit / 2, 0, -limit / 2, -limit].map(|value| {
-            let size = value.unsigned_abs();
-            let (whole, part) = (size / 100, size % 100);
-            let digits = match self.hundredths {
-                100 => return format::signed(value / 100),
-                _ if limit < 100 => format!("{whole}.{part:02}"),
-                _ => format!("{whole}.{}", part / 10),
+    /// The round values on this scale in this number of steps at most, from the top: their place between the upper end,
+    /// 0, and the lower one, 1, and their label. The first one has the unit: `+100 rpm`, `0`, `−100`.
+    pub(crate) fn ticks(self, trace: Trace, unit: &str, steps_max: i32) -> Vec<Tick> {
+        let step = step(self.span(), steps_max.max(1));
+        let (first, last) = (self.upper.div_euclid(step), -(-self.lower).div_euclid(step));
+        let tick = |number: i32| {
+            let value = number * step;
+            let sign = match value.signum() {
+                -1 => "\u{2212}",
+                1 if trace.is_signed() => "+",
+                _ => "",
             };
-            match value {
-                0 => "0".to_owned(),
-                1.. => in_language(format!("+{digits}")),
-                _ => in_language(format!("\u{2212}{digits}")),
+            let digits = thousandths(value.unsigned_abs().into(), step.unsigned_abs().into());
+            let mut label = in_language(format!("{sign}{digits}"));
+            if number == first {
+                label = label + if trace == Trace::Position { "" } else { " " } + unit;
             }
-        })
+            Tick {
+                place: f64::from(self.upper - value) / f64::from(self.span().max(1)),
+                is_zero: value == 0,
+                label,
+            }
+        };
+        (last..=first).rev().map(tick).collect()
     }
 }
 
-/// The values at the lower and the upper end of the plot.
-pub(crate) type Ends = (f64, f64);
+/// A round value of a scale.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Tick {
+    /// Between the upper end, 0, and the lower one, 1.
+    pub(crate) place: f64,
+    pub(crate) is_zero: bool,
+    pub(crate) label: String,
+}
 
-/// The scales of all traces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The smallest round step of which at most so many are in a span: 1, 2 or 5 with zeros.
+fn step(span: i32, steps_max: i32) -> i32 {
+    let least = (span + steps_max - 1) / steps_max;
+    let mut step = 1;
+    while step * 10 < least {
+        step *= 10;
+    }
+    let mut steps = [1, 2, 5].into_iter().map(|factor| factor * step);
+    steps.find(|step| *step >= least).unwrap_or(step * 10)
+}
+
+/// The shortest span of the values: what a motor at standstill measures fills no pane.
+const fn least_span(trace: Trace) -> i32 {
+    match trace {
+        Trace::Speed | Trace::Goal | Trace::Position => 20_000,
+        Trace::Current => 200,
+        Trace::Temperature => 10_000,
+    }
+}
+
+/// What a scale does not exceed.
+const fn limits(trace: Trace) -> (i32, i32) {
+    match trace {
+        Trace::Position => (0, 360_000),
+        Trace::Temperature => (0, 260_000),
+        _ => (-GREATEST, GREATEST),
+    }
+}
+
+/// How the scales are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Fitting {
+    /// Whether zero is in the middle of the signed traces.
+    pub(crate) symmetric: bool,
+}
+
+/// The scales of all traces, by their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct Scales {
-    pub(crate) speed: Scale,
-    pub(crate) current: Scale,
-    /// The upper end of the temperature's scale, in degrees.
-    pub(crate) temperature_end: u16,
+    scales: [Option<Scale>; Trace::ALL.len()],
+    fitting: Fitting,
 }
 
 impl Scales {
-    /// The scales before the first drawing.
-    pub(crate) const fn new() -> Self {
-        Self {
-            speed: Scale::of_speed(),
-            current: Scale::of_current(),
-            temperature_end: 100,
+    /// Chooses the scales in this way from now on.
+    pub(crate) fn choose(&mut self, fitting: Fitting) {
+        if self.fitting != fitting {
+            *self = Self {
+                fitting,
+                ..Self::default()
+            };
         }
     }
 
-    /// Fits the scale of a trace to values up to this distance from zero.
-    pub(crate) fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
-        let scale = match trace {
-            Trace::Speed | Trace::Goal => &mut self.speed,
-            Trace::Current => &mut self.current,
-            Trace::Temperature | Trace::Position => {
-                let (lower, upper) = ends(trace, extent);
-                if trace == Trace::Temperature {
-                    self.temperature_end = upper;
+    /// The scale of a trace as it is.
+    pub(crate) fn of(self, trace: Trace) -> Scale {
+        let scale = self.scales.get(trace.place()).copied().flatten();
+        scale.unwrap_or_else(|| Scale::of(trace, (0, 0)))
+    }
+
+    /// Fits the scale of a trace to values in this range. Without a value it stays.
+    pub(crate) fn fit(&mut self, trace: Trace, range: Option<Range>) -> Scale {
+        let before = self.scales.get(trace.place()).copied().flatten();
+        let scale = match (range, before) {
+            (None, Some(before)) => before,
+            (range, before) => {
+                let (least, greatest) = range.unwrap_or_default();
+                let (mut least, mut greatest) = (in_thousandths(least), in_thousandths(greatest));
+                if self.fitting.symmetric && trace.is_signed() {
+                    greatest = greatest.max(-least);
+                    least = -greatest;
                 }
-                return (f64::from(lower), f64::from(upper));
+                let values = (least, greatest);
+                before.map_or_else(
+                    || Scale::of(trace, values),
+                    |before| before.fitted(trace, values),
+                )
             }
         };
-        *scale = scale.fitted(extent);
-        (-scale.limit(), scale.limit())
+        if let Some(place) = self.scales.get_mut(trace.place()) {
+            *place = Some(scale);
+        }
+        scale
     }
 }
 
-/// The lower and upper end of the scale of a trace without an axis.
-fn ends(trace: Trace, extent: f64) -> (u16, u16) {
-    match trace {
-        // A motor switches off at 80; a byte holds up to 255.
-        Trace::Temperature if extent > 100.0 => (0, 260),
-        Trace::Temperature => (0, 100),
-        _ => (0, 360),
-    }
-}
-
-/// The labels of the five lines of a scale from zero to `end`, from the top.
-pub(crate) fn labels_from_zero(end: u16) -> [String; 5] {
-    [4, 3, 2, 1, 0].map(|quarters| (u32::from(end) * quarters / 4).to_string())
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "limited to what a scale can have"
+)]
+fn in_thousandths(value: f64) -> i32 {
+    let greatest = f64::from(GREATEST) / 2.0;
+    limited(value * 1_000.0, -greatest, greatest).round() as i32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn fitted(trace: Trace, range: Range) -> Ends {
+        Scales::default().fit(trace, Some(range)).ends()
+    }
+
     #[test]
-    fn a_scale_holds_what_is_shown() {
-        for (extent, limit) in [
-            (0.0, 50.0),
-            (37.0, 50.0),
-            (100.0, 200.0),
-            (150.0, 200.0),
-            (330.0, 400.0),
-            (401.0, 1_000.0),
-            (32_768.0, 40_000.0),
+    fn a_scale_is_from_the_least_to_the_greatest_with_a_margin_at_round_ends() {
+        for (trace, range, ends) in [
+            (Trace::Speed, (0.0, 0.0), (-10.0, 10.0)),
+            (Trace::Speed, (0.0, 100.0), (-20.0, 120.0)),
+            (Trace::Speed, (99.0, 101.0), (90.0, 110.0)),
+            (Trace::Speed, (-330.0, -300.0), (-335.0, -295.0)),
+            (Trace::Speed, (-32_768.0, 32_767.0), (-40_000.0, 40_000.0)),
+            (Trace::Current, (0.0, 0.0), (-0.1, 0.1)),
+            (Trace::Current, (-0.02, 0.41), (-0.1, 0.5)),
+            (Trace::Temperature, (27.0, 28.0), (22.0, 33.0)),
+            (Trace::Temperature, (2.0, 3.0), (0.0, 8.0)),
+            (Trace::Position, (1.0, 359.0), (0.0, 360.0)),
         ] {
-            let fitted = Scale::of_speed().fitted(extent).limit();
-            assert!((fitted - limit).abs() < 1e-9, "{extent}: {fitted}");
+            let (lower, upper) = fitted(trace, range);
+            let is_near = (lower - ends.0).abs() < 1e-9 && (upper - ends.1).abs() < 1e-9;
+            assert!(is_near, "{trace:?} {range:?}: {lower} to {upper}");
         }
-        // Slightly above full scale of a reply: there is no larger scale.
-        assert!((Scale::of_current().fitted(8.0003).limit() - 8.0).abs() < 1e-9);
     }
 
+    /// No value is ever outside of the scale, or on its edge.
     #[test]
-    fn values_about_the_end_of_a_scale_do_not_make_it_jump() {
-        let mut scale = Scale::of_speed().fitted(99.0);
-        assert!((scale.limit() - 200.0).abs() < 1e-9, "as it was");
-        scale = scale.fitted(74.0);
-        assert!((scale.limit() - 100.0).abs() < 1e-9);
-        scale = scale.fitted(96.0);
+    fn a_scale_that_follows_values_holds_them_and_seldom_changes() {
+        let mut scales = Scales::default();
         let mut changes = 0;
-        for extent in [94.0, 101.0, 96.0, 93.0, 76.0, 102.0] {
-            let next = scale.fitted(extent);
-            changes += u32::from(next != scale);
-            scale = next;
+        let mut before = scales.fit(Trace::Speed, Some((0.0, 0.0)));
+        for step in 0..1_000 {
+            // It rises to 100 rpm, and then the noise comes and goes.
+            let greatest = f64::from(step.min(100)) + f64::from(step * 7 % 3);
+            let scale = scales.fit(Trace::Speed, Some((-1.0, greatest)));
+            let (lower, upper) = scale.ends();
+            assert!(lower < -1.0 && upper > greatest, "{step}: {scale:?}");
+            changes += u32::from(scale != before);
+            before = scale;
         }
-        assert_eq!(changes, 0);
-        assert!((scale.fitted(10.0).limit() - 50.0).abs() < 1e-9);
+        assert!(changes <= 10, "{changes}");
+        let narrow = scales.fit(Trace::Speed, Some((99.0, 101.0)));
+        assert_eq!(narrow.ends(), (90.0, 110.0));
+        assert_eq!(scales.fit(Trace::Speed, None), narrow, "without a value");
     }
 
     #[test]
-    fn the_labels_are_round_numbers_with_their_sign() {
-        let speed = Scale::of_speed().fitted(150.0).labels();
-        assert_eq!(speed, ["+200", "+100", "0", "\u{2212}100", "\u{2212}200"]);
-        let current = |extent| Scale::of_current().fitted(extent).labels();
-        assert_eq!(
-            current(0.1),
-            ["+0.50", "+0.25", "0", "\u{2212}0.25", "\u{2212}0.50"]
-        );
-        assert_eq!(
-            current(0.7),
-            ["+1.0", "+0.5", "0", "\u{2212}0.5", "\u{2212}1.0"]
-        );
-        assert_eq!(current(8.0)[0], "+8.0");
+    fn a_symmetric_scale_has_zero_in_its_middle() {
+        let mut scales = Scales::default();
+        let one_sided = scales.fit(Trace::Speed, Some((0.0, 100.0)));
+        scales.choose(Fitting { symmetric: true });
+        for (trace, range) in [
+            (Trace::Speed, (0.0, 100.0)),
+            (Trace::Speed, (-30.0, 100.0)),
+            (Trace::Current, (-0.5, -0.2)),
+        ] {
+            let (lower, upper) = scales.fit(trace, Some(range)).ends();
+            assert!(
+                (lower + upper).abs() < 1e-9,
+                "{trace:?}: {lower} to {upper}"
+            );
+        }
+        let warm = scales.fit(Trace::Temperature, Some((27.0, 28.0)));
+        assert_eq!(warm.ends(), (22.0, 33.0), "it has no sign");
+        scales.choose(Fitting::default());
+        assert_eq!(scales.fit(Trace::Speed, Some((0.0, 100.0))), one_sided);
     }
 
     #[test]
-    fn an_overheated_motor_is_not_drawn_above_its_scale() {
-        assert_eq!(ends(Trace::Temperature, 85.0), (0, 100));
-        assert_eq!(ends(Trace::Temperature, 255.0), (0, 260));
-        assert_eq!(ends(Trace::Position, 360.0), (0, 360));
-        assert_eq!(labels_from_zero(260), ["260", "195", "130", "65", "0"]);
+    fn labels_are_round_and_the_top_one_has_the_unit() {
+        let labels = |trace, range, steps_max| {
+            let scale = Scales::default().fit(trace, Some(range));
+            let ticks = scale.ticks(trace, "U", steps_max);
+            let labels: Vec<String> = ticks.iter().map(|tick| tick.label.clone()).collect();
+            labels.join(" | ")
+        };
+        let speed = (0.0, 100.0);
+        assert_eq!(labels(Trace::Speed, speed, 4), "+100 U | +50 | 0");
+        assert_eq!(labels(Trace::Speed, speed, 2), "+100 U | 0");
+        assert_eq!(
+            labels(Trace::Speed, (-100.0, 100.0), 4),
+            "+100 U | 0 | \u{2212}100"
+        );
+        assert_eq!(
+            labels(Trace::Current, (0.0, 0.0), 4),
+            "+0.10 U | +0.05 | 0.00 | \u{2212}0.05 | \u{2212}0.10"
+        );
+        assert_eq!(labels(Trace::Temperature, (27.0, 28.0), 3), "30 U | 25");
+        assert_eq!(
+            labels(Trace::Position, (0.0, 359.0), 4),
+            "300U | 200 | 100 | 0"
+        );
+    }
+
+    #[test]
+    fn there_are_no_more_steps_than_fit_and_never_none() {
+        for span in [1, 7, 999, 20_000, 123_456, GREATEST] {
+            for steps_max in 1..12 {
+                let step = step(span, steps_max);
+                assert!(
+                    step >= 1 && span.div_euclid(step) <= steps_max,
+                    "{span}: {step}"
+                );
+            }
+        }
     }
 }

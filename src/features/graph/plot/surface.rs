@@ -1,6 +1,6 @@
 //! What the graph is drawn on: a canvas, or a vector picture.
 
-use crate::features::graph::plot::{palette::Colour, strokes::Pixel};
+use crate::features::graph::plot::{layout::Rectangle, palette::Colour, strokes::Pixel};
 
 /// Subpixels per device pixel. plotters draws at whole pixels, which turns a gentle slope into steps. So it gets
 /// coordinates eight times as large, and a canvas scales them down.
@@ -49,6 +49,11 @@ pub(crate) enum Opacity {
 
 /// A surface for lines.
 pub(crate) trait LineSurface {
+    /// The lines up to [`LineSurface::end_pane`] are cut off at the edges of this rectangle.
+    fn begin_pane(&mut self, pane: Rectangle);
+
+    fn end_pane(&mut self);
+
     /// Draws a line through these points, which are in subpixels, from left to right.
     fn line(&mut self, points: Vec<Pixel>, pen: &Pen);
 

@@ -2,6 +2,7 @@
 
 use crate::{
     features::graph::plot::{
+        layout::Rectangle,
         palette::{Colour, css},
         strokes::Pixel,
         surface::{Align, AxesSurface, DASH, FINE, LineSurface, Opacity, Pen},
@@ -123,6 +124,31 @@ impl AxesSurface for Svg {
 }
 
 impl LineSurface for Svg {
+    fn begin_pane(&mut self, pane: Rectangle) {
+        let Rectangle {
+            left,
+            top,
+            width,
+            height,
+        } = pane;
+        let [left, top, width, height] = [left, top, width, height].map(|it| it.to_string());
+        // An element of its own clips, without an id for a path.
+        for (name, value) in [
+            ("<svg x=\"", &left),
+            ("\" y=\"", &top),
+            ("\" width=\"", &width),
+            ("\" height=\"", &height),
+            ("\" viewBox=\"", &[&*left, &top, &width, &height].join(" ")),
+        ] {
+            self.put(&[name, value]);
+        }
+        self.put(&["\">\n"]);
+    }
+
+    fn end_pane(&mut self) {
+        self.put(&["</svg>\n"]);
+    }
+
     fn line(&mut self, points: Vec<Pixel>, pen: &Pen) {
         let mut command = "<path d=\"M";
         for (x, y) in points {

@@ -152,9 +152,9 @@ mod tests {
     fn the_name_follows_the_window() {
         let day_ms = |us: u64| 13 * 3_600_000 + us / 1_000;
         let view = View::default();
-        assert_eq!(name(None, view, &day_ms), "Speed and current, last 60 s");
-        let view = view.with_span(10 * SECOND);
         assert_eq!(name(None, view, &day_ms), "Speed and current, last 10 s");
+        let minute = view.with_span(60 * SECOND);
+        assert_eq!(name(None, minute, &day_ms), "Speed and current, last 60 s");
         let held = view.paused(936_500_000);
         assert_eq!(
             name(None, held, &day_ms),

@@ -46,13 +46,13 @@ fn ago_label(ago_ms: u64, step_ms: u64, with_unit: bool) -> String {
     let (number, unit) = if step_ms.is_multiple_of(MINUTE_MS) {
         ((ago_ms / MINUTE_MS).to_string(), " min")
     } else {
-        (in_language(seconds(ago_ms, step_ms)), " s")
+        (in_language(thousandths(ago_ms, step_ms)), " s")
     };
     number + if with_unit { unit } else { "" }
 }
 
-/// With as many decimals as the step needs.
-fn seconds(ms: u64, step_ms: u64) -> String {
+/// Thousandths as a number with as many decimals as the step needs: milliseconds as seconds.
+pub(crate) fn thousandths(ms: u64, step_ms: u64) -> String {
     let (whole, part) = (ms / 1_000, ms % 1_000);
     if step_ms.is_multiple_of(1_000) {
         whole.to_string()
@@ -86,7 +86,7 @@ pub(crate) fn time_of_day(ms: u64, step_ms: u64) -> String {
     let minutes = of_day_ms / MINUTE_MS;
     let of_minute_ms = of_day_ms % MINUTE_MS;
     let zero = if of_minute_ms < 10_000 { "0" } else { "" };
-    let seconds = seconds(of_minute_ms, step_ms);
+    let seconds = thousandths(of_minute_ms, step_ms);
     format!("{:02}:{:02}:{zero}{seconds}", minutes / 60, minutes % 60)
 }
 

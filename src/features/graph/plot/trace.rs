@@ -125,9 +125,9 @@ impl Trace {
         Self::ALL.into_iter().find(|trace| trace.class() == class)
     }
 
-    /// Whether its scale begins at zero instead of having zero in the middle.
-    pub(crate) fn is_from_zero(self) -> bool {
-        matches!(self, Self::Temperature | Self::Position)
+    /// Whether its values have a direction, which their sign tells.
+    pub(crate) const fn is_signed(self) -> bool {
+        matches!(self, Self::Speed | Self::Current)
     }
 
     const fn bit(self) -> u8 {
@@ -173,6 +173,17 @@ impl Default for Traces {
 impl Traces {
     pub(crate) const fn has(self, trace: Trace) -> bool {
         self.on & trace.bit() != 0
+    }
+
+    /// The traces that have a pane of their own, from the top. The goal is in the pane of its quantity.
+    pub(crate) fn panes(self) -> Vec<Trace> {
+        let all = Trace::ALL.into_iter();
+        match self.compared {
+            Some(trace) => vec![trace],
+            None => all
+                .filter(|trace| *trace != Trace::Goal && self.has(*trace))
+                .collect(),
+        }
     }
 
     /// The same traces with one of them switched on or off.
@@ -265,7 +276,9 @@ mod tests {
         traces = traces.with(Trace::Position, true).with(Trace::Speed, false);
         assert_eq!(on(traces), [false, true, true, false, true]);
         assert_eq!(traces.with(Trace::Position, true), traces);
+        assert_eq!(traces.panes(), [Trace::Current, Trace::Position]);
         traces.compared = Some(Trace::Speed);
+        assert_eq!(traces.panes(), [Trace::Speed]);
         assert_eq!(
             on(traces),
             [false, true, true, false, true],

@@ -50,7 +50,7 @@ pub(crate) struct Reach {
 
 impl Default for View {
     fn default() -> Self {
-        let [_, (span_us, _), _] = WINDOWS;
+        let [(span_us, _), ..] = WINDOWS;
         Self {
             span_us,
             watch: Watch::Live,
@@ -156,20 +156,24 @@ mod tests {
         now_us: 400 * SECOND,
     };
 
+    fn minute() -> View {
+        View::default().with_span(60 * SECOND)
+    }
+
     fn right_s(view: View) -> u64 {
         view.right_us(REACH.now_us) / SECOND
     }
 
     #[test]
-    fn a_view_begins_live_with_a_minute() {
+    fn a_view_begins_live_with_ten_seconds() {
         let view = View::default();
-        assert_eq!((view.span_us, right_s(view)), (60 * SECOND, 400));
+        assert_eq!((view.span_us, right_s(view)), (10 * SECOND, 400));
         assert!(view.is_live() && !view.is_paused());
     }
 
     #[test]
     fn panning_ends_at_the_oldest_and_at_now() {
-        let back = View::default().panned(-10_000_000, REACH);
+        let back = minute().panned(-10_000_000, REACH);
         assert_eq!((right_s(back), back.is_live()), (390, false));
         let oldest = back.at_oldest(REACH);
         assert_eq!(right_s(oldest), 160, "the left edge is at the oldest");
@@ -184,25 +188,25 @@ mod tests {
             oldest_us: 390 * SECOND,
             ..REACH
         };
-        assert!(View::default().panned(-5_000_000, reach).is_live());
+        assert!(minute().panned(-5_000_000, reach).is_live());
     }
 
     #[test]
     fn pause_holds_the_view_through_pan_and_zoom_until_it_is_live_again() {
-        let paused = View::default().paused(300 * SECOND);
+        let paused = minute().paused(300 * SECOND);
         assert_eq!(right_s(paused), 300);
         let moved = paused.panned(-20_000_000, REACH).zoomed(50, 1.0, REACH);
         assert_eq!((right_s(moved), moved.span_us), (280, 30 * SECOND));
         assert!(moved.is_paused());
         assert!(paused.at_now(REACH).is_paused(), "the newest, and held");
         assert!(moved.live().is_live());
-        let panned = View::default().panned(-20_000_000, REACH);
+        let panned = minute().panned(-20_000_000, REACH);
         assert_eq!(right_s(panned.paused(REACH.now_us)), 380);
     }
 
     #[test]
     fn zooming_keeps_the_moment_under_the_pointer() {
-        let view = View::default().panned(-100_000_000, REACH);
+        let view = minute().panned(-100_000_000, REACH);
         for (percent, place) in [(50, 0.25), (80, 0.0), (125, 0.75), (50, 1.0)] {
             let moment = |view: View| {
                 let right_us = i64::try_from(view.right_us(REACH.now_us)).unwrap();
@@ -218,14 +222,14 @@ mod tests {
 
     #[test]
     fn a_live_view_zoomed_at_its_right_edge_stays_live() {
-        assert!(View::default().zoomed(50, 1.0, REACH).is_live());
-        assert!(!View::default().zoomed(50, 0.5, REACH).is_live());
-        assert!(View::default().zoomed(200, 0.5, REACH).is_live());
+        assert!(minute().zoomed(50, 1.0, REACH).is_live());
+        assert!(!minute().zoomed(50, 0.5, REACH).is_live());
+        assert!(minute().zoomed(200, 0.5, REACH).is_live());
     }
 
     #[test]
     fn zooming_ends_at_a_fifth_of_a_second_and_at_ten_minutes() {
-        let mut view = View::default();
+        let mut view = minute();
         for _ in 0..50 {
             view = view.zoomed(80, 1.0, REACH);
         }
