@@ -169,6 +169,9 @@ impl Track {
     }
 }
 
+/// Called with every update, and without one when older replies were added.
+pub(crate) type Waker = Rc<dyn Fn(Option<&Update>)>;
+
 /// The history of every motor.
 #[derive(Default)]
 pub(crate) struct History {
@@ -183,7 +186,7 @@ pub(crate) struct History {
     cut_pending: bool,
     connected: bool,
     /// Wakes the animation loop, which sleeps while nothing changes.
-    wake: Option<Rc<dyn Fn()>>,
+    wake: Option<Waker>,
 }
 
 impl History {
@@ -220,7 +223,7 @@ impl History {
 
     fn wake(&self) {
         if let Some(wake) = &self.wake {
-            wake();
+            wake(None);
         }
     }
 
@@ -284,10 +287,8 @@ impl History {
                 self.on_track(motor.id, |track| track.set_goal(now, goal));
             }
         }
-        if !update.samples.is_empty()
-            && let Some(wake) = &self.wake
-        {
-            wake();
+        if let Some(wake) = &self.wake {
+            wake(Some(update));
         }
     }
 
@@ -302,8 +303,8 @@ impl History {
         }
     }
 
-    /// Calls `wake` whenever replies were added. It must not access the history.
-    pub(crate) fn on_new_data(&mut self, wake: Rc<dyn Fn()>) {
+    /// Calls `wake` whenever replies were added, with every update. It must not access the history.
+    pub(crate) fn on_new_data(&mut self, wake: Waker) {
         self.wake = Some(wake);
     }
 

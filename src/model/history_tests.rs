@@ -243,11 +243,11 @@ fn replies_wake_what_draws_them() {
     let mut history = History::default();
     history.on_new_data(Rc::new({
         let woken = Rc::clone(&woken);
-        move || woken.set(woken.get() + 1)
+        move |update: Option<&Update>| woken.set(woken.get() + update.unwrap().samples.len())
     }));
     history.take(&update(1, vec![], vec![]));
     history.take(&update(2, vec![sample(ID, 2, 0), sample(ID, 2, 0)], vec![]));
-    assert_eq!(woken.get(), 1);
+    assert_eq!(woken.get(), 2);
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn restored_samples_wake_what_draws_them_and_are_another_picture() {
     let mut history = History::with_past();
     history.on_new_data(Rc::new({
         let woken = Rc::clone(&woken);
-        move || woken.set(woken.get() + 1)
+        move |update: Option<&Update>| woken.set(woken.get() + usize::from(update.is_none()))
     }));
     let pictures = [history.recalled(), {
         history.recall(0, &before([1]));

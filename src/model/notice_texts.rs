@@ -176,7 +176,7 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
 }
 
 /// Why the setpoint of a motor is withdrawn, and what to do.
-fn why_withdrawn(reason: WithdrawReason) -> (String, &'static str) {
+pub(crate) fn why_withdrawn(reason: WithdrawReason) -> (String, &'static str) {
     match reason {
         WithdrawReason::Silent => (
             tr!("no reply for 200 ms").to_owned(),

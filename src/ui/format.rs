@@ -41,7 +41,7 @@ pub(crate) fn fixed(value: f32, decimals: usize) -> String {
 }
 
 /// `+0.18`, `−0.50`, `0.00`: a value that rounds to zero has no sign.
-fn signed_decimal(value: f32, decimals: usize) -> String {
+pub(crate) fn signed_decimal(value: f32, decimals: usize) -> String {
     let digits = fixed(value.abs(), decimals);
     let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     let digits = in_language(digits);

@@ -47,12 +47,14 @@ const PARTS: [Part; 18] = [
     // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
-    ("later style", BEHIND, &["later-style-"], 15_900),
+    // 100 put the legend of the graph beside its plot.
+    ("later style", BEHIND, &["later-style-"], 16_000),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
-    // takes over from a failed one, the target current in amps, and notices that were part of the first program.
-    ("desk", BEHIND, &["desk"], 132_500),
+    // takes over from a failed one, the target current in amps, and notices that were part of the first program. 9,500 are the
+    // panes of the graph with their fitted axes, the mean with its band, box and value zoom, the second cursor and the marks.
+    ("desk", BEHIND, &["desk"], 142_000),
     ("tools", BEHIND, &["tools"], 80_000),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,

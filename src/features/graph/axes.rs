@@ -11,6 +11,7 @@ use crate::{
         plot::{
             columns::Grid,
             layout::{Layout, Rectangle},
+            marks::{Kind, Mark},
             palette::{Colour, Palette, css},
             scale::{self, Scales},
             surface::{Align, AxesSurface, Opacity},
@@ -46,6 +47,8 @@ pub(crate) struct Picture {
     pub(crate) traces: Traces,
     pub(crate) scales: Scales,
     pub(crate) marks: Vec<Tick>,
+    /// The commands and events: the place of each, from the left edge, 0, to the right edge, 1.
+    pub(crate) events: Vec<(f64, Kind)>,
     pub(crate) model: Model,
 }
 
@@ -142,11 +145,13 @@ impl Picture {
     pub(crate) fn of(
         chart: Chart,
         view: View,
-        grid: Grid,
+        (grid, events): (Grid, &[Mark]),
         layout: Layout,
         palette: Palette,
         scales: Scales,
     ) -> Self {
+        let width = f64::from(layout.columns().max(1));
+        let place = |mark: &Mark| (grid.place(mark.at.as_micros()) / width, mark.kind);
         let marks = layout.marks(view.is_live());
         let marks = if view.is_live() {
             ticks::ago(view.span_us, marks)
@@ -160,6 +165,7 @@ impl Picture {
             traces: chart.traces.get_untracked(),
             scales,
             marks,
+            events: events.iter().map(place).collect(),
             model: chart.page.model.get_untracked(),
         }
     }
@@ -181,6 +187,14 @@ impl Picture {
             let x = plot.left + at(mark.place, plot.width);
             let rectangle = [x, plot.top, width, plot.height];
             line(rectangle, palette.line, Opacity::Full);
+        }
+        for (place, _) in &self.events {
+            let x = plot.left + at(*place, plot.width);
+            line(
+                [x, plot.top, width, plot.height],
+                palette.text,
+                Opacity::Weak,
+            );
         }
         for (_, pane, ticks) in self.panes() {
             for edge in [0, pane.height - 1] {
@@ -233,6 +247,19 @@ impl Picture {
                 let y = top + limited(tick.place * height, half, height - half);
                 surface.write(&tick.label, (x, y), Align::Right, colour);
             }
+        }
+        // Above the plot they cover no curve.
+        for (place, kind) in &self.events {
+            let at = (
+                left + place * f64::from(plot.width),
+                f64::from(plot.top) / 2.0,
+            );
+            let colour = if *kind == Kind::Event {
+                palette.temperature
+            } else {
+                palette.text
+            };
+            surface.write(kind.sign(), at, Align::Center, colour);
         }
         let below = f64::from(plot.top + plot.height) + TIME_OFFSET * layout.ratio;
         for mark in &self.marks {

@@ -47,7 +47,7 @@ impl Tracing<'_> {
             }
         }
         let kept = self.kept_lines(comparison.trace, grid);
-        let shown = range(lines.iter().flat_map(|line| &line.parts).chain(&kept));
+        let shown = range(lines.iter().flat_map(|line| &line.parts).chain(&kept), &[]);
         let ends = self.scales.fit(comparison.trace, shown).ends();
         let coordinates = self.coordinates(self.layout.plot, ends);
         self.surface.begin_pane(self.layout.plot);

@@ -1,4 +1,4 @@
-//! The row above the graph: traces, windows, pause, now and the picture.
+//! The rows above the graph: windows, pause and now, and how it is looked at.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -9,7 +9,7 @@ use crate::{
     features::graph::{
         kept::controls::KeepButton,
         legend, picture,
-        plot::{trace::Trace, view::WINDOWS},
+        plot::{keys::GraphAction, trace::Trace, view::WINDOWS},
         stage::StageCell,
         state::Chart,
     },
@@ -93,36 +93,86 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     hint=tr!("The graph takes the place of the other panels.")
                     on_press=move || chart.expanded.update(|expanded| *expanded = !*expanded)
                 />
-                <PressButton
-                    class="button small"
-                    label="PNG"
-                    hint=tr!("Saves the graph as a PNG image.")
-                    on_press=move || picture::save(chart, stage)
-                />
-                <PressButton
-                    class="button small"
-                    label="SVG"
-                    name=tr!("Save SVG")
-                    hint=tr!("Saves the graph as an SVG drawing in light colours.")
-                    on_press=move || picture::save_svg(chart, stage)
-                />
             </div>
-            <div class="graph-tools">
-                <label class="graph-symmetric">
-                    <input
-                        type="checkbox"
-                        prop:checked=dynamic(move || chart.fitting.get().symmetric)
-                        on:change=handler(move |event| {
-                            let symmetric = event_target_checked(&event);
-                            chart.fitting.update(|fitting| fitting.symmetric = symmetric);
-                            chart.wake();
-                        })
-                    />
-                    {tr!("Symmetric")}
-                </label>
-                <KeepButton chart />
-            </div>
+            <Tools chart stage />
         </div>
+    }
+}
+
+/// How the graph is looked at, its pictures, and the run to keep.
+#[component]
+fn Tools(chart: Chart, stage: StageCell) -> impl IntoView {
+    let fitted_already = Signal::derive(move || {
+        let zoomed = chart.fitting.with(|fitting| fitting.is_zoomed());
+        (!zoomed).then(|| tr!("Each axis is fitted to its values.").to_owned())
+    });
+    view! {
+        <div class="graph-tools">
+            <Check
+                label=tr!("Symmetric")
+                checked=Signal::derive(move || chart.fitting.with(|fitting| fitting.symmetric))
+                on_change=move |symmetric| {
+                    chart.fitting.update(|fitting| fitting.symmetric = symmetric);
+                    chart.wake();
+                }
+            />
+            <Check
+                label=tr!("Box zoom")
+                hint=tr!("A drag with Shift does so too.")
+                checked=chart.zooms_box
+                on_change=move |on| chart.zooms_box.set(on)
+            />
+            <Check
+                label=tr!("Second cursor")
+                hint=tr!(
+                    "The values at the crosshair have their difference to those at the second cursor. A click moves it."
+                )
+                checked=Signal::derive(move || chart.reference.with(Option::is_some))
+                on_change=move |on| chart.place_reference(on)
+            />
+            <PressButton
+                class="button small"
+                label=tr!("Fit")
+                hint=tr!("Fits each axis to its values.")
+                disabled_reason=fitted_already
+                on_press=move || chart.run(GraphAction::Fit)
+            />
+            <span class="graph-apart"></span>
+            <PressButton
+                class="button small"
+                label="PNG"
+                hint=tr!("Saves the graph as a PNG image.")
+                on_press=move || picture::save(chart, stage)
+            />
+            <PressButton
+                class="button small"
+                label="SVG"
+                name=tr!("Save SVG")
+                hint=tr!("Saves the graph as an SVG drawing in light colours.")
+                on_press=move || picture::save_svg(chart, stage)
+            />
+            <KeepButton chart />
+        </div>
+    }
+}
+
+/// A switch of how the graph is looked at.
+#[component]
+fn Check(
+    label: &'static str,
+    #[prop(optional)] hint: Option<&'static str>,
+    #[prop(into)] checked: Signal<bool>,
+    #[prop(into)] on_change: Callback<bool>,
+) -> impl IntoView {
+    view! {
+        <label class="graph-check" title=hint>
+            <input
+                type="checkbox"
+                prop:checked=dynamic(move || checked.get())
+                on:change=handler(move |event| on_change.run(event_target_checked(&event)))
+            />
+            {label}
+        </label>
     }
 }
 

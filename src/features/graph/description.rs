@@ -10,7 +10,9 @@ use crate::{
         kept::state::Aligned,
         plot::{
             comparison::{Subject, marked},
-            crosshair, texts, ticks,
+            crosshair,
+            marks::Mark,
+            texts, ticks,
             view::View,
         },
         state::Chart,
@@ -23,6 +25,9 @@ use crate::{
 /// Minimal time between updates: more frequent ones would interrupt the screen reader.
 const UPDATE_PERIOD_MS: f64 = 3_000.0;
 
+/// Maximal number of marks in the text, of the newest: it is read from its beginning again whenever it changes.
+const MARKS_MAX: usize = 8;
+
 /// What the graph shows.
 #[derive(Clone, Copy)]
 pub(crate) struct Content<'a> {
@@ -30,6 +35,8 @@ pub(crate) struct Content<'a> {
     pub(crate) subject: &'a Subject,
     /// The kept run.
     pub(crate) kept: Option<&'a Aligned>,
+    /// The marks in view.
+    pub(crate) marks: &'a [Mark],
 }
 
 /// The text that describes the graph.
@@ -55,6 +62,7 @@ impl Description {
             history,
             subject,
             kept,
+            marks,
         }: Content<'_>,
         now_us: u64,
         frame_ms: f64,
@@ -84,6 +92,11 @@ impl Description {
                     sentence.push(' ');
                     sentence += &texts::sentence(&kept.name(), values.as_ref(), *traces);
                 }
+                let marks = marks.iter().rev().take(MARKS_MAX).map(|mark| {
+                    let day_us = chart.day_us(mark.at.as_micros());
+                    (ticks::time_of_day(day_us / 1_000, 1_000), &*mark.words)
+                });
+                sentence += &texts::marks(marks);
                 sentence
             }
             Subject::Compared(comparison) => {

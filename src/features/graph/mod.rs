@@ -3,7 +3,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `state` | what is shown, and the actions on it |
-//! | `controls` | traces, windows, pause and picture |
+//! | `controls` | windows, pause, picture, and how the graph is looked at |
 //! | `pointer` | pointer, wheel and keys on the graph itself |
 //! | `stage` | the canvases and their animation loop |
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
@@ -97,7 +97,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                     on:pointercancel=handler(move |_| pointer::left(chart))
                     on:pointerleave=handler(move |_| pointer::left(chart))
                     on:wheel=handler(move |event| pointer::wheel(chart, &event))
-                    on:dblclick=handler(move |_| chart.follow())
+                    on:dblclick=handler(move |_| chart.reset())
                     on:keydown=handler(move |event| pointer::key(chart, &event))
                     inner_html=overlay::PLOT
                 ></div>
@@ -112,6 +112,10 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                          End the newest. While paused, the arrow keys move a crosshair that reads \
                          values."
                     )}
+                    " "
+                    {tr!("Page Up and Page Down zoom the values, Backspace fits the axes to them.")}
+                    " "
+                    {tr!("Comma and full stop move the crosshair from mark to mark.")}
                     " "
                     {tr!("In a replay, Enter goes to the crosshair.")}
                 </p>

@@ -16,7 +16,9 @@ use crate::{
 /// The content of the graph: two canvases, of which the lower has the axes, and the line of the crosshair.
 pub(crate) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
                                <canvas class=\"graph-lines\"></canvas>\
-                               <div class=\"graph-cross absent\"></div>";
+                               <div class=\"graph-cross absent\"></div>\
+                               <div class=\"graph-cross second absent\"></div>\
+                               <div class=\"graph-zoom\" hidden></div>";
 
 /// The parts of the values: the time, one per trace, and one per compared motor.
 pub(crate) fn rows() -> String {
@@ -34,6 +36,17 @@ pub(crate) fn rows() -> String {
     rows
 }
 
+fn move_to(line: &HtmlElement, x: f64) {
+    // It fails for invalid names and values; these are valid.
+    let _ = line
+        .style()
+        .set_property("transform", &format!("translateX({})", pixels(x)));
+}
+
+fn pixels(length: f64) -> String {
+    format!("{}px", length.round())
+}
+
 /// The class with the colour of a place.
 pub(crate) fn motor_class(place: usize) -> String {
     format!("motor-{place}")
@@ -48,6 +61,9 @@ pub(crate) enum CrosshairValue {
 /// The crosshair of a mounted graph.
 pub(crate) struct Overlay {
     line: HtmlElement,
+    second: HtmlElement,
+    /// What a drag encloses.
+    zoom: HtmlElement,
     values: HtmlElement,
     aloud: Attribute,
     when: Text,
@@ -88,6 +104,8 @@ impl Overlay {
         }
         Some(Self {
             line: html(".graph-cross")?,
+            second: html(".graph-cross.second")?,
+            zoom: html(".graph-zoom")?,
             values: html(".graph-values")?,
             aloud: Attribute::find(graph, ".graph-values", "aria-live")?,
             when: Text::of(find(".graph-when")?),
@@ -116,12 +134,34 @@ impl Overlay {
             .set(if by_keys { "polite" } else { "off" }.to_owned());
         self.when.set(when);
         let shown = self.write(values);
-        // It fails for invalid names and values; these are valid.
-        let _ = self
-            .line
-            .style()
-            .set_property("transform", &format!("translateX({}px)", x.round()));
+        move_to(&self.line, x);
         self.set_shown(Some(shown));
+    }
+
+    /// Shows the second cursor at a position in CSS pixels, or hides it.
+    pub(crate) fn show_second(&self, x: Option<f64>) {
+        // It fails for names with spaces.
+        let _ = self
+            .second
+            .class_list()
+            .toggle_with_force("absent", x.is_none());
+        if let Some(x) = x {
+            move_to(&self.second, x);
+        }
+    }
+
+    /// Shows what a drag encloses, by two opposite corners in CSS pixels.
+    pub(crate) fn show_box(&self, corners: Option<[(f64, f64); 2]>) {
+        self.zoom.set_hidden(corners.is_none());
+        if let Some([from, to]) = corners {
+            let style = self.zoom.style();
+            for (name, from, to) in [("left", from.0, to.0), ("top", from.1, to.1)] {
+                let length = if name == "left" { "width" } else { "height" };
+                // It fails for invalid names and values; these are valid.
+                let _ = style.set_property(name, &pixels(from.min(to)));
+                let _ = style.set_property(length, &pixels((to - from).abs()));
+            }
+        }
     }
 
     /// Shows these values in the legend, without a crosshair.

@@ -108,7 +108,11 @@ fn vector(chart: Chart, stage: &Stage, now: LocalTime) -> String {
     svg.fill([0.0, 0.0, size.0, size.1], palette.surface, Opacity::Full);
     head.draw(&mut svg);
     svg.moved_down(head.height, |svg| {
-        Picture::of(chart, view, grid, layout, palette, scales).draw(svg);
+        let marks = chart
+            .page
+            .history
+            .with_value(|history| chart.marks(history, &chart.subject(history), grid));
+        Picture::of(chart, view, (grid, &marks), layout, palette, scales).draw(svg);
         svg.append(&lines);
     });
     svg.file(size, &head.title, stage.axes.family())

@@ -27,13 +27,19 @@ const WHEEL_ZOOM: f64 = 20.0;
 /// Pixels per line, for wheels that report lines.
 const LINE_PX: f64 = 16.0;
 
-/// The distance of an event from the left of the graph, in CSS pixels.
-fn x(event: &web_sys::MouseEvent) -> f64 {
+/// The distances of an event from the left and from the top of the graph, in CSS pixels.
+fn place(event: &web_sys::MouseEvent) -> (f64, f64) {
     let graph = event
         .current_target()
         .and_then(|target| target.dyn_into::<Element>().ok());
-    let left = graph.map_or(0.0, |graph| graph.get_bounding_client_rect().left());
-    number(event.client_x()) - left
+    let corner = graph.map_or((0.0, 0.0), |graph| {
+        let graph = graph.get_bounding_client_rect();
+        (graph.left(), graph.top())
+    });
+    (
+        number(event.client_x()) - corner.0,
+        number(event.client_y()) - corner.1,
+    )
 }
 
 /// Pointer coordinates are integers or floats, depending on the version of the browser's interface.
@@ -45,15 +51,17 @@ pub(crate) fn down(chart: Chart, event: &PointerEvent) {
     if event.button() != 0 {
         return;
     }
-    let x = x(event);
+    let (x, y) = place(event);
     let mut view = chart.view.get_untracked();
     if view.is_live() {
         // A drag moves the period under the pointer, so the view must not follow the time.
         view.watch = Watch::Panned(chart.now_us());
     }
     chart.drag.set(Some(Drag {
-        from_x: x,
+        from: (x, y),
         view,
+        pane: chart.pane_at(y).map(|(pane, _)| pane),
+        is_box: event.shift_key() || chart.zooms_box.get_untracked(),
         begun: false,
     }));
     chart.crosshair.set(Crosshair::Pointer(x));
@@ -61,11 +69,12 @@ pub(crate) fn down(chart: Chart, event: &PointerEvent) {
 }
 
 pub(crate) fn moved(chart: Chart, event: &PointerEvent) {
-    let x = x(event);
+    let (x, y) = place(event);
     chart.crosshair.set(Crosshair::Pointer(x));
     if let Some(mut drag) = chart.drag.get() {
-        let by_px = x - drag.from_x;
-        if !drag.begun && by_px.abs() >= CLICK_PX {
+        let (from_x, from_y) = drag.from;
+        let by_px = x - from_x;
+        if !drag.begun && by_px.abs().max((y - from_y).abs()) >= CLICK_PX {
             drag.begun = true;
             if let Some(target) = event.current_target()
                 && let Ok(element) = target.dyn_into::<Element>()
@@ -75,24 +84,52 @@ pub(crate) fn moved(chart: Chart, event: &PointerEvent) {
             }
         }
         chart.drag.set(Some(drag));
-        if drag.begun {
+        if drag.begun && drag.is_box {
+            chart.zoom_box.set(Some([drag.from, (x, y)]));
+        } else if drag.begun {
             let columns = by_px * chart.layout.get().ratio;
             let width = f64::from(chart.layout.get().columns().max(1));
             let by_us = drag.view.part_us(-columns / width);
             chart.show(drag.view.panned(by_us, chart.reach()));
+            pan_values(chart, drag, y);
         }
     }
     chart.wake();
 }
 
-/// The end of a drag. A click during a replay goes to that time.
-pub(crate) fn up(chart: Chart) {
-    let drag = chart.drag.get();
-    chart.drag.set(None);
-    if let Some(drag) = drag.filter(|drag| !drag.begun) {
-        let column = chart.layout.get().column(drag.from_x);
-        go_to(chart.grid.get().moment_us(column));
+/// A scale that the user has chosen moves with the pointer; a fitted one stays fitted.
+fn pan_values(chart: Chart, drag: Drag, y: f64) {
+    let fitting = chart.fitting.get_untracked();
+    if let Some(pane) = drag
+        .pane
+        .filter(|pane| fitting.zoomed(pane.trace).is_some())
+    {
+        let count = chart.traces.get_untracked().panes().len();
+        let at = |y| chart.layout.get().place_in(count, pane.place, y);
+        let by = at(drag.from.1) - at(y);
+        chart.fit(fitting.with(pane.trace, pane.scale.part(pane.trace, (by, 1.0 + by))));
     }
+}
+
+/// The end of a drag. A click moves the second cursor; without one, it goes to that time of a replay.
+pub(crate) fn up(chart: Chart) {
+    let drag = chart.drag.take();
+    let zoom_box = chart.zoom_box.take();
+    if let Some(drag) = drag.filter(|drag| !drag.begun) {
+        let column = chart.layout.get().column(drag.from.0);
+        let at_us = chart.grid.get().moment_us(column);
+        // While there is a second cursor, a click is for it.
+        match chart.reference.get_untracked() {
+            Some(_) => chart.move_reference(Some(at_us)),
+            None => {
+                go_to(at_us);
+            }
+        }
+    }
+    if let (Some(pane), Some(corners)) = (drag.and_then(|drag| drag.pane), zoom_box) {
+        chart.zoom_to(pane, corners);
+    }
+    chart.wake();
 }
 
 /// A replay goes to this time of the history's clock. Returns whether there is a replay.
@@ -106,13 +143,15 @@ fn go_to(at_us: u64) -> bool {
 /// The pointer has left the graph, or the browser uses it for its own gesture.
 pub(crate) fn left(chart: Chart) {
     chart.drag.set(None);
+    chart.zoom_box.set(None);
     if let Crosshair::Pointer(_) = chart.crosshair.get() {
         chart.crosshair.set(Crosshair::None);
         chart.wake();
     }
 }
 
-/// Vertical movement zooms around the pointer, horizontal movement pans.
+/// Vertical movement zooms around the pointer: the values at the left of the plot, else the time. Horizontal movement
+/// pans.
 pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
     // Ctrl and wheel is the zoom of the browser.
     if event.ctrl_key() {
@@ -131,7 +170,12 @@ pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
         chart.show(view.panned(by_us, chart.reach()));
     } else {
         let zoom = limited(down, -WHEEL_MAX, WHEEL_MAX) / WHEEL_MAX * WHEEL_ZOOM;
-        chart.zoom(percent(zoom), chart.layout.get().part(x(event)));
+        let (x, y) = place(event);
+        let layout = chart.layout.get();
+        match chart.pane_at(y).filter(|_| layout.column(x) < 0.0) {
+            Some((pane, at)) => chart.zoom_values(pane.trace, 100.0 + zoom, at),
+            None => chart.zoom(percent(zoom), layout.part(x)),
+        }
     }
 }
 

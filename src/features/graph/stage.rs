@@ -18,6 +18,7 @@ use crate::{
             columns::Grid,
             comparison::{Comparison, Subject},
             layout::Layout,
+            marks::Mark,
             palette::{Palette, parse_colour},
             scale::{Fitting, Scales},
             view::View,
@@ -58,6 +59,8 @@ struct Scene {
     /// The kept run and its place.
     kept: Option<(u32, i64)>,
     fitting: Fitting,
+    /// Number of events.
+    events: usize,
 }
 
 /// The mounted graph.
@@ -69,6 +72,8 @@ pub(crate) struct Stage {
     pub(crate) overlay: Overlay,
     legend: Legend,
     description: Description,
+    /// The marks of the last drawing.
+    marks: Rc<[Mark]>,
     pub(crate) palette: Palette,
     pub(crate) layout: Layout,
     scene: Option<Scene>,
@@ -98,7 +103,10 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
         move || waker()
     });
     chart.page.history.update_value(|history| {
-        history.on_new_data(Rc::new(move || {
+        history.on_new_data(Rc::new(move |update| {
+            if let Some(update) = update {
+                chart.events.borrow_mut().take(update);
+            }
             if chart.asleep.get() {
                 waker();
             }
@@ -115,7 +123,7 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     on_cleanup(move || {
         let _ = frames.try_update_value(Option::take);
         // Otherwise the history would wake a graph that no longer exists.
-        let forget = |history: &mut History| history.on_new_data(Rc::new(|| ()));
+        let forget = |history: &mut History| history.on_new_data(Rc::new(|_| ()));
         let _ = chart.page.history.try_update_value(forget);
         // This drops the observers too.
         let _ = mounted.try_get_value().and_then(|cell| cell.take());
@@ -147,6 +155,7 @@ impl Stage {
             overlay: Overlay::of(place)?,
             legend: Legend::of(&place.parent_element()?)?,
             description: Description::of(find("#graph-words")?),
+            marks: Rc::default(),
             palette: Palette::default(),
             layout: Layout::default(),
             scene: None,
@@ -198,20 +207,26 @@ impl Stage {
                 recalled: history.recalled(),
                 kept: kept.as_ref().map(Aligned::drawn_as),
                 fitting: chart.fitting.get_untracked(),
+                events: chart.events.borrow().count(),
             };
             if self.scene != Some(scene) {
                 self.scene = Some(scene);
                 self.drawn_ms = frame_ms;
                 self.stopwatch.start();
                 self.draw_lines(history, scene, kept.clone(), grid, now_us);
+                self.marks = chart.marks(history, &subject, grid).into();
                 self.draw_axes(chart, view, grid);
                 self.stopwatch.stop();
+                chart.scales.set(self.scales);
             }
+            let marks = Rc::clone(&self.marks);
             let shown = Content {
                 history,
                 subject: &subject,
                 kept: kept.as_ref(),
+                marks: &marks,
             };
+            self.overlay.show_box(chart.zoom_box.get());
             self.show_crosshair(chart, view, grid, shown, now_us, frame_ms);
             let next = self
                 .description
@@ -316,7 +331,14 @@ impl Stage {
     }
 
     fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid) {
-        let picture = Picture::of(chart, view, grid, self.layout, self.palette, self.scales);
+        let picture = Picture::of(
+            chart,
+            view,
+            (grid, &self.marks),
+            self.layout,
+            self.palette,
+            self.scales,
+        );
         self.axes.draw(picture);
     }
 }

@@ -15,8 +15,9 @@ use crate::{
         comparison::{Subject, motor_name},
         keys::GraphAction,
         layout::Layout,
-        scale::Fitting,
-        trace::Traces,
+        marks::{Events, Mark},
+        scale::{Fitting, Scale, Scales},
+        trace::{Trace, Traces},
         view::{Reach, View},
     },
     model::{
@@ -25,6 +26,9 @@ use crate::{
     },
     ui::{clock::page_now_ms, mathematics::limited},
 };
+
+/// The least height and width of a box that is zoomed to, in CSS pixels.
+const BOX_MIN_PX: f64 = 10.0;
 
 /// The position of the crosshair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,10 +43,22 @@ pub(crate) enum Crosshair {
 /// A drag: its start in CSS pixels, and the view at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drag {
-    pub(crate) from_x: f64,
+    pub(crate) from: (f64, f64),
     pub(crate) view: View,
+    /// The pane at its start, with its scale.
+    pub(crate) pane: Option<Pane>,
+    /// Whether it chooses a part to zoom to, instead of moving the view.
+    pub(crate) is_box: bool,
     /// Whether the pointer has moved too far for a click.
     pub(crate) begun: bool,
+}
+
+/// A pane, its trace and its scale as it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pane {
+    pub(crate) place: usize,
+    pub(crate) trace: Trace,
+    pub(crate) scale: Scale,
 }
 
 /// A handle of the graph. The page has one graph for its whole life, in every language. It stays on the thread of the
@@ -68,6 +84,16 @@ pub(crate) struct Parts {
     pub(crate) expanded: RwSignal<bool>,
     pub(crate) crosshair: Cell<Crosshair>,
     pub(crate) drag: Cell<Option<Drag>>,
+    /// What happened to motors without a command.
+    pub(crate) events: RefCell<Events>,
+    /// The second cursor, at this time of the history's clock: the read-out has the difference to it.
+    pub(crate) reference: RwSignal<Option<u64>>,
+    /// Whether a drag zooms to what it encloses. With Shift it always does.
+    pub(crate) zooms_box: RwSignal<bool>,
+    /// The opposite corners of the part that a drag encloses, in CSS pixels.
+    pub(crate) zoom_box: Cell<Option<[(f64, f64); 2]>>,
+    /// The scales of the last drawing.
+    pub(crate) scales: Cell<Scales>,
     /// The layout of the last drawing.
     pub(crate) layout: Cell<Layout>,
     /// The columns of the last drawing.
@@ -93,6 +119,11 @@ impl Chart {
             expanded: RwSignal::new(false),
             crosshair: Cell::new(Crosshair::None),
             drag: Cell::new(None),
+            events: RefCell::default(),
+            reference: RwSignal::new(None),
+            zooms_box: RwSignal::new(false),
+            zoom_box: Cell::new(None),
+            scales: Cell::new(Scales::default()),
             layout: Cell::new(Layout::default()),
             grid: Cell::new(Grid::default()),
             in_sight: Cell::new(false),
@@ -107,6 +138,7 @@ impl Chart {
     /// Resets what depends on the canvases: it is drawn on new ones.
     pub(crate) fn reset_drawing(self) {
         self.drag.set(None);
+        self.zoom_box.set(None);
         if let Crosshair::Pointer(_) = self.crosshair.get() {
             self.crosshair.set(Crosshair::None);
         }
@@ -156,6 +188,18 @@ impl Chart {
         );
         let names = self.page.motors.names;
         names.with_untracked(|names| Subject::new(history, names, id, traces))
+    }
+
+    /// The marks in these columns. Compared motors have none: they would be of several.
+    pub(crate) fn marks(self, history: &History, subject: &Subject, grid: Grid) -> Vec<Mark> {
+        match subject {
+            Subject::Motor { id, mirror, .. } => {
+                let events = self.events.borrow();
+                let marks = |track| events.marks(*id, track, *mirror, grid);
+                history.track(*id).map(marks).unwrap_or_default()
+            }
+            Subject::Compared(_) => Vec::new(),
+        }
     }
 
     /// The name of a motor.
@@ -210,8 +254,99 @@ impl Chart {
                 self.show(view.panned(by_us, reach));
             }
             GraphAction::Cross(columns) => self.move_crosshair(columns),
+            GraphAction::Mark(by) => self.go_to_mark(by),
             GraphAction::Oldest => self.show(view.at_oldest(reach)),
             GraphAction::Newest => self.show(view.at_now(reach)),
+            GraphAction::Values(percent) => {
+                for trace in self.traces.get_untracked().panes() {
+                    self.zoom_values(trace, percent.into(), 0.5);
+                }
+            }
+            GraphAction::Fit => self.fit(self.fitting.get_untracked().fitted()),
+        }
+    }
+
+    /// Pauses, and moves the crosshair to the mark before it, or to the one behind it.
+    fn go_to_mark(self, later: bool) {
+        let reach = self.reach();
+        let view = self.view.get_untracked().paused(reach.now_us);
+        let from_us = match self.crosshair.get() {
+            Crosshair::Moment(at_us) => at_us,
+            _ => view.right_us(reach.now_us),
+        };
+        let span_us = reach.now_us.saturating_sub(reach.oldest_us);
+        // Its columns are no periods of the view: many of them end near its edges.
+        let all = Grid::new(span_us, reach.now_us, 1_000);
+        let marks = self.page.history.with_value(|history| {
+            let subject = self.subject(history);
+            self.marks(history, &subject, all)
+        });
+        let mut times = marks.iter().map(|mark| mark.at.as_micros());
+        let found = if later {
+            times.find(|at_us| *at_us > from_us)
+        } else {
+            times.rfind(|at_us| *at_us < from_us)
+        };
+        if let Some(at_us) = found {
+            self.crosshair.set(Crosshair::Moment(at_us));
+            self.show(view.showing(at_us, reach));
+            self.wake();
+        }
+    }
+
+    /// Chooses the scales in this way.
+    pub(crate) fn fit(self, fitting: Fitting) {
+        self.fitting.set(fitting);
+        self.wake();
+    }
+
+    /// Follows the present in the window that it begins with, with every scale fitted to its values.
+    pub(crate) fn reset(self) {
+        self.fit(self.fitting.get_untracked().fitted());
+        self.follow();
+    }
+
+    /// The pane at a height in CSS pixels.
+    pub(crate) fn pane_at(self, y: f64) -> Option<(Pane, f64)> {
+        let panes = self.traces.get_untracked().panes();
+        let (place, at) = self.layout.get().pane_at(panes.len(), y)?;
+        let trace = *panes.get(place)?;
+        let scale = self.scales.get().of(trace);
+        Some((
+            Pane {
+                place,
+                trace,
+                scale,
+            },
+            at,
+        ))
+    }
+
+    /// Shows a percentage of the values of a trace; the value at `place` keeps its position.
+    pub(crate) fn zoom_values(self, trace: Trace, percent: f64, place: f64) {
+        let part = |end: f64| place + (end - place) * percent / 100.0;
+        let fitting = self.fitting.get_untracked();
+        // Several of them may come before the next drawing.
+        let scale = fitting
+            .zoomed(trace)
+            .unwrap_or_else(|| self.scales.get().of(trace));
+        let scale = scale.part(trace, (part(0.0), part(1.0)));
+        self.fit(fitting.with(trace, scale));
+    }
+
+    /// Zooms to what a drag in a pane encloses. A narrow box zooms the values alone, a low one the time alone.
+    pub(crate) fn zoom_to(self, pane: Pane, corners: [(f64, f64); 2]) {
+        let [(from_x, from_y), (to_x, to_y)] = corners;
+        let layout = self.layout.get();
+        if (to_y - from_y).abs() >= BOX_MIN_PX {
+            let count = self.traces.get_untracked().panes().len();
+            let place = |y| limited(layout.place_in(count, pane.place, y), 0.0, 1.0);
+            let scale = pane.scale.part(pane.trace, (place(from_y), place(to_y)));
+            self.fit(self.fitting.get_untracked().with(pane.trace, scale));
+        }
+        if (to_x - from_x).abs() >= BOX_MIN_PX {
+            let view = self.view.get_untracked();
+            self.show(view.part((layout.part(from_x), layout.part(to_x)), self.reach()));
         }
     }
 
@@ -230,6 +365,23 @@ impl Chart {
             }
             Crosshair::None | Crosshair::Pointer(_) => 1.0,
         }
+    }
+
+    /// Places the second cursor at the crosshair, or in the middle of the view without one; or removes it.
+    pub(crate) fn place_reference(self, on: bool) {
+        let at_us = match self.crosshair.get() {
+            Crosshair::Moment(at_us) => at_us,
+            _ => self
+                .grid
+                .get()
+                .moment_us(f64::from(self.layout.get().columns()) / 2.0),
+        };
+        self.move_reference(on.then_some(at_us));
+    }
+
+    pub(crate) fn move_reference(self, at_us: Option<u64>) {
+        self.reference.set(at_us);
+        self.wake();
     }
 
     /// Moves the crosshair. It starts in the middle, and moves the view at the edges.

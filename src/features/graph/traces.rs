@@ -15,13 +15,13 @@ use crate::{
     features::graph::{
         kept::{drawing, state::Aligned},
         plot::{
-            columns::{Dot, Grid, range},
+            columns::{Dot, Grid, Spread, range},
             comparison::Subject,
             layout::{Layout, Rectangle},
-            lines::{goal_lines, trace_lines},
+            lines::{goal_lines, mean_lines, trace_lines},
             palette::{Colour, Palette, css},
             scale::{Ends, Fitting, Scales},
-            strokes::{Pixel, Strokes, strokes},
+            strokes::{Bar, Pixel, Strokes, strokes},
             surface::{DASH, FINE, LineSurface, Pen},
             trace::{Trace, Traces},
         },
@@ -91,14 +91,17 @@ impl Tracing<'_> {
         let panes = traces.panes();
         for (trace, pane) in panes.iter().zip(self.layout.panes(panes.len())) {
             let trace = *trace;
-            let lines = trace_lines(history, track, trace, mirror, grid);
+            let (lines, spreads) = match trace {
+                Trace::Current => mean_lines(history, track, trace, mirror, grid),
+                _ => (trace_lines(history, track, trace, mirror, grid), Vec::new()),
+            };
             let goals = if traces.has(Trace::Goal) {
                 goal_lines(track, trace, mirror, grid, now_us)
             } else {
                 Vec::new()
             };
             let kept = self.kept_lines(trace, grid);
-            let shown = range(lines.iter().chain(&goals).chain(&kept));
+            let shown = range(lines.iter().chain(&goals).chain(&kept), &spreads);
             let ends = self.scales.fit(trace, shown).ends();
             let coordinates = self.coordinates(pane, ends);
             let colour = self.palette.of(trace);
@@ -114,6 +117,7 @@ impl Tracing<'_> {
                 dashed: false,
             };
             self.surface.begin_pane(pane);
+            self.draw_spreads(&spreads, &coordinates, pale.colour);
             self.draw_lines(&kept, &coordinates, &pale);
             self.draw_lines(&goals, &coordinates, &goal);
             self.draw_lines(&lines, &coordinates, &pen);
@@ -135,9 +139,28 @@ impl Tracing<'_> {
         Cartesian2d::new(columns, lower..upper, (across, up))
     }
 
+    fn draw_spreads(&mut self, spreads: &[Spread], at: &Coordinates, colour: Colour) {
+        let bar = |(column, least, greatest): &Spread| {
+            let ((x, bottom), (_, top)) = (
+                at.translate(&(*column, *least)),
+                at.translate(&(*column, *greatest)),
+            );
+            Bar { x, top, bottom }
+        };
+        let bars: Vec<Bar> = spreads.iter().map(bar).collect();
+        if !bars.is_empty() {
+            self.surface.bars(&bars, colour);
+        }
+    }
+
     pub(crate) fn draw_lines(&mut self, lines: &[Vec<Dot>], at: &Coordinates, pen: &Pen) {
+        // What is far out of sight of a zoomed axis would exceed the numbers of what draws it.
+        let far = 16 * FINE * self.layout.plot.height;
         for line in lines {
-            let points = line.iter().map(|dot| at.translate(dot));
+            let points = line.iter().map(|dot| {
+                let (x, y) = at.translate(dot);
+                (x, y.clamp(-far, far))
+            });
             self.surface.line(points.collect(), pen);
         }
     }
@@ -251,6 +274,17 @@ impl LineSurface for TraceCanvas {
             self.set_dashed(false);
         } else {
             self.draw_solid(&points, pen);
+        }
+    }
+
+    fn bars(&mut self, bars: &[Bar], colour: Colour) {
+        let pixel = f64::from(FINE);
+        self.context.set_fill_style_str(&css(colour));
+        for bar in bars {
+            let (top, bottom) = (f64::from(bar.top), f64::from(bar.bottom));
+            let left = f64::from(bar.x) - pixel / 2.0;
+            self.context
+                .fill_rect(left, top, pixel, (bottom - top).max(pixel));
         }
     }
 

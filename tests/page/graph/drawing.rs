@@ -139,7 +139,7 @@ async fn without_news_an_empty_graph_is_not_drawn() {
     bench.until("a size", || canvas.width() > 400).await;
     pause(200).await;
     let context = context(&canvas);
-    context.fill_rect(4_000.0, 800.0, 400.0, 400.0);
+    context.fill_rect(2_000.0, 400.0, 400.0, 400.0);
     assert!(is_drawn(&canvas));
     pause(400).await;
     assert!(is_drawn(&canvas), "somebody has drawn, and wiped before");

@@ -7,6 +7,7 @@ mod kept;
 mod replayed;
 mod restored;
 mod saving;
+mod zooming;
 
 use std::ops::Deref;
 

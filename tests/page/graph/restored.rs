@@ -15,6 +15,7 @@ async fn restored_samples_are_drawn_at_their_times() {
     let speed = colour_of(&bench, "--speed");
     let time_origin_ms = performance().time_origin() + performance().now();
     bench.post(&ToPage::Hello { time_origin_ms });
+    bench.find("radio", "60 s").click();
     recorder.post(&FromRecorder::Restored);
     recorder.received().await;
     assert!(rows_of(&canvas, speed, 1).is_empty());

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_messages::protocol::{Instant, Setpoint};
 
-use crate::model::history::Track;
+use crate::model::history::{GoalChange, Track};
 
 /// Changes of the target that follow each other sooner are one change: a recording has each step of a ramp as a target
 /// of its own, 20 ms apart at 50 Hz.
@@ -37,25 +37,33 @@ impl Align {
 
     /// The last such moment up to a time.
     pub(crate) fn last(self, track: &Track, until: Instant) -> Option<Instant> {
-        let mut found = None;
-        let mut before = None;
-        let mut changed: Option<Instant> = None;
-        for change in track.goals().take_while(|change| change.at <= until) {
-            let (was, is) = (driven_to(before), driven_to(change.goal));
-            let is_one_change = changed.is_some_and(|at| change.at.since(at) < ONE_CHANGE);
-            let is_moment = match self {
-                Self::Start => was.is_none() && is.is_some(),
-                Self::NewTarget => is.is_some() && is != was && !is_one_change,
-                Self::Stop => was.is_some() && is.is_none(),
-            };
-            if is_moment {
-                found = Some(change.at);
-            }
-            changed = Some(change.at);
-            before = change.goal;
-        }
-        found
+        let moments = moments(track).take_while(|(change, _)| change.at <= until);
+        let is_it = |(change, align): (&GoalChange, Self)| (align.is(self)).then_some(change.at);
+        moments.filter_map(is_it).last()
     }
+
+    /// A start gives a target too.
+    fn is(self, other: Self) -> bool {
+        self == other || (self, other) == (Self::Start, Self::NewTarget)
+    }
+}
+
+/// The changes of the goal that are such a moment, with what it is.
+pub(crate) fn moments(track: &Track) -> impl Iterator<Item = (&GoalChange, Align)> {
+    let mut before = None;
+    let mut changed: Option<Instant> = None;
+    track.goals().filter_map(move |change| {
+        let (was, is) = (driven_to(before), driven_to(change.goal));
+        let is_one_change = changed.is_some_and(|at| change.at.since(at) < ONE_CHANGE);
+        (changed, before) = (Some(change.at), change.goal);
+        let align = match (was, is) {
+            (None, Some(_)) => Align::Start,
+            (Some(_), None) => Align::Stop,
+            (Some(was), Some(is)) if is != was && !is_one_change => Align::NewTarget,
+            _ => return None,
+        };
+        Some((change, align))
+    })
 }
 
 /// The brake ends a drive.

@@ -99,9 +99,15 @@ fn whole(columns: u64) -> i64 {
     i64::try_from(columns).unwrap_or(i64::MAX)
 }
 
+/// Several values in one column: its middle, and the least and the greatest of them.
+pub(crate) type Spread = (f64, f64, f64);
+
 /// Builds lines from values in the order of time.
 pub struct Lines {
     grid: Grid,
+    /// Whether a column has the mean of its values instead of the least and the greatest, which are in `spreads`.
+    averaged: bool,
+    spreads: Vec<Spread>,
     done: Vec<Vec<Dot>>,
     line: Vec<Dot>,
     column: Option<Column>,
@@ -115,6 +121,8 @@ struct Column {
     middle: f64,
     least: f32,
     greatest: f32,
+    sum: f64,
+    count: u32,
     /// Whether the greatest value came after the least.
     rising: bool,
 }
@@ -125,9 +133,19 @@ impl Lines {
     pub fn new(grid: Grid) -> Self {
         Self {
             grid,
+            averaged: false,
+            spreads: Vec::new(),
             done: Vec::new(),
             line: Vec::new(),
             column: None,
+        }
+    }
+
+    /// Lines through the mean of each column.
+    pub(crate) fn averaged(grid: Grid) -> Self {
+        Self {
+            averaged: true,
+            ..Self::new(grid)
         }
     }
 
@@ -136,6 +154,8 @@ impl Lines {
     pub fn to(&mut self, at_us: u64, value: f32) {
         match &mut self.column {
             Some(column) if at_us < column.end_us => {
+                column.sum += f64::from(value);
+                column.count += 1;
                 if value < column.least {
                     column.least = value;
                     column.rising = false;
@@ -156,6 +176,8 @@ impl Lines {
             middle: self.grid.middle(at_us),
             least: value,
             greatest: value,
+            sum: value.into(),
+            count: 1,
             rising: true,
         });
     }
@@ -179,6 +201,12 @@ impl Lines {
         }
     }
 
+    /// The lines, and the columns in view with several values.
+    pub(crate) fn finish_with_spreads(mut self) -> (Vec<Vec<Dot>>, Vec<Spread>) {
+        self.cut();
+        (self.done, self.spreads)
+    }
+
     /// The lines, clipped at the edges of the view.
     #[must_use]
     pub fn finish(mut self) -> Vec<Vec<Dot>> {
@@ -193,6 +221,11 @@ impl Lines {
         let (least, greatest) = (f64::from(column.least), f64::from(column.greatest));
         if column.least.to_bits() == column.greatest.to_bits() {
             self.dot((column.middle, least));
+        } else if self.averaged {
+            if (0.0..=f64::from(self.grid.count)).contains(&column.middle) {
+                self.spreads.push((column.middle, least, greatest));
+            }
+            self.dot((column.middle, column.sum / f64::from(column.count)));
         } else if column.rising {
             self.dot((column.middle, least));
             self.dot((column.middle, greatest));
@@ -235,13 +268,19 @@ fn crossing(from: Dot, to: Dot, edge: f64) -> Dot {
 /// The least and the greatest value of something.
 pub(crate) type Range = (f64, f64);
 
-/// The range of these lines; `None` without a dot.
-pub(crate) fn range<'a>(lines: impl IntoIterator<Item = &'a Vec<Dot>>) -> Option<Range> {
-    let values = lines.into_iter().flatten().map(|(_, value)| *value);
-    values.fold(None, |range, value| {
-        let (least, greatest) = range.unwrap_or((value, value));
-        Some((value.min(least), value.max(greatest)))
-    })
+/// The range of these lines and columns; `None` without any.
+pub(crate) fn range<'a>(
+    lines: impl IntoIterator<Item = &'a Vec<Dot>>,
+    spreads: &[Spread],
+) -> Option<Range> {
+    let dots = lines.into_iter().flatten();
+    let ranges = dots.map(|(_, value)| (*value, *value));
+    let ranges = ranges.chain(
+        spreads
+            .iter()
+            .map(|(_, least, greatest)| (*least, *greatest)),
+    );
+    ranges.reduce(|range, other| (range.0.min(other.0), range.1.max(other.1)))
 }
 
 #[cfg(test)]

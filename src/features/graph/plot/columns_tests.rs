@@ -152,8 +152,30 @@ fn a_cut_is_not_bridged_and_a_lone_value_is_seen() {
 }
 
 #[test]
+fn a_column_of_several_values_has_their_mean_and_their_spread() {
+    let grid = Grid::new(10, 99, 2);
+    let mut lines = Lines::averaged(grid);
+    for (at_us, value) in [
+        (82, 9.0),
+        (83, 1.0),
+        (90, 1.0),
+        (91, 4.0),
+        (92, 1.0),
+        (96, 5.0),
+    ] {
+        lines.to(at_us, value);
+    }
+    let (lines, spreads) = lines.finish_with_spreads();
+    let [line] = lines.as_slice() else {
+        panic!("{lines:?}")
+    };
+    assert_eq!(line[line.len() - 2..], [(0.5, 2.0), (1.5, 5.0)]);
+    assert_eq!(spreads, [(0.5, 1.0, 4.0)], "in view, and of several values");
+}
+
+#[test]
 fn the_range_is_from_the_least_to_the_greatest_value() {
     let lines = [vec![(0.0, 3.0)], vec![(1.0, -7.5), (2.0, 1.0)]];
-    assert_eq!(range(&lines), Some((-7.5, 3.0)));
-    assert_eq!(range(&[]), None);
+    assert_eq!(range(&lines, &[(3.0, 0.0, 9.0)]), Some((-7.5, 9.0)));
+    assert_eq!(range(&[], &[]), None);
 }

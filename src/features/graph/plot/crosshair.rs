@@ -79,6 +79,34 @@ fn nearest<'a, T>(
 }
 
 impl Values {
+    /// The difference to the values at another moment: `+50 rpm`; a dash if either is unknown. A target has the unit of
+    /// its quantity, so that two of them are not compared.
+    pub(crate) fn since(&self, other: &Self, trace: Trace) -> String {
+        let text = match trace {
+            Trace::Speed => self
+                .speed
+                .zip(other.speed)
+                .map(|(to, from)| format::signed(i32::from(to.rpm()) - i32::from(from.rpm()))),
+            Trace::Current => self
+                .current
+                .zip(other.current)
+                .map(|(to, from)| format::signed_decimal(to.amps() - from.amps(), 2)),
+            Trace::Goal => None,
+            Trace::Temperature => self.temperature.zip(other.temperature).map(|(to, from)| {
+                format::signed(i32::from(to.degrees()) - i32::from(from.degrees()))
+            }),
+            Trace::Position => self
+                .angle
+                .zip(other.angle)
+                .map(|(to, from)| format::signed_decimal(to - from, 1)),
+        };
+        let space = if trace == Trace::Position { "" } else { " " };
+        text.map_or_else(
+            || UNKNOWN.to_owned(),
+            |text| text + space + trace.unit(self.model),
+        )
+    }
+
     /// `−60 rpm`; a dash for an unknown value.
     pub(crate) fn text(&self, trace: Trace) -> String {
         let text = match trace {
@@ -153,6 +181,18 @@ mod tests {
         assert_eq!(at(1_035).temperature, Some(Celsius::new(31)));
         assert!((at(1_040).angle.unwrap() - 66.96).abs() < 0.01);
         assert!((at(1_060).angle.unwrap() - 72.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_difference_of_two_moments_has_a_sign_and_the_unit() {
+        let (from, to) = (at(1_000), at(1_060));
+        let texts = Trace::ALL.map(|trace| to.since(&from, trace));
+        assert_eq!(
+            texts,
+            ["+30 rpm", "+0.01 A", "–", "+1 °C", "0.0°"].map(str::to_owned)
+        );
+        assert_eq!(from.since(&to, Trace::Speed), "\u{2212}30 rpm");
+        assert_eq!(to.since(&at(499), Trace::Speed), "–");
     }
 
     #[test]

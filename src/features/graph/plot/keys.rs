@@ -15,6 +15,12 @@ pub(crate) enum GraphAction {
     Oldest,
     /// Show the newest.
     Newest,
+    /// Show a part of the values of each pane, in per cent.
+    Values(u8),
+    /// Fit each pane to its values.
+    Fit,
+    /// Move the crosshair to a mark: the one behind it, or the one before it.
+    Mark(bool),
 }
 
 /// Percentage of the view's length that an arrow key pans.
@@ -47,6 +53,11 @@ pub(crate) fn graph_action(
         "ArrowRight" => arrow(1),
         "Home" => GraphAction::Oldest,
         "End" => GraphAction::Newest,
+        "PageUp" => GraphAction::Values(80),
+        "PageDown" => GraphAction::Values(125),
+        "Backspace" => GraphAction::Fit,
+        "," => GraphAction::Mark(false),
+        "." => GraphAction::Mark(true),
         _ => return None,
     })
 }
@@ -90,6 +101,16 @@ mod tests {
         assert_eq!(graph_action("ArrowLeft", true, false, false), None);
     }
 
+    #[test]
+    fn the_values_zoom_too_and_are_fitted_again() {
+        let of = |key| graph_action(key, false, false, true);
+        assert_eq!(of("PageUp"), Some(GraphAction::Values(80)));
+        assert_eq!(of("PageDown"), Some(GraphAction::Values(125)));
+        assert_eq!(of("Backspace"), Some(GraphAction::Fit));
+        assert_eq!(of(","), Some(GraphAction::Mark(false)));
+        assert_eq!(of("."), Some(GraphAction::Mark(true)));
+    }
+
     /// The graph handles no key that drives or stops.
     #[test]
     fn keys_that_drive_and_stop_are_left_alone() {
@@ -99,7 +120,20 @@ mod tests {
                 assert_eq!(graph_action(key, false, false, paused), None, "{key}");
             }
         }
-        for key in ["+", "=", "-", "ArrowLeft", "ArrowRight", "Home", "End"] {
+        for key in [
+            "+",
+            "=",
+            "-",
+            "ArrowLeft",
+            "ArrowRight",
+            "Home",
+            "End",
+            "PageUp",
+            "PageDown",
+            "Backspace",
+            ",",
+            ".",
+        ] {
             assert!(keys::key_action(key, false, Focus::Free).is_none(), "{key}");
         }
     }

@@ -104,6 +104,24 @@ impl Layout {
         (column + f64::from(self.plot.left)) / self.ratio
     }
 
+    /// The pane at a height in CSS pixels from the top of the graph, and the place in it: 0 at its top, 1 at its bottom.
+    /// Above the first one it is the first, and below the last one the last.
+    pub(crate) fn pane_at(self, count: usize, y: f64) -> Option<(usize, f64)> {
+        let y = y * self.ratio;
+        let last = count.checked_sub(1)?;
+        let ends_below = |(place, pane): &(usize, Rectangle)| {
+            *place == last || y < f64::from(pane.top + pane.height)
+        };
+        let (place, pane) = self.panes(count).enumerate().find(ends_below)?;
+        Some((place, place_in(pane, y)))
+    }
+
+    /// The place of a height in this pane of so many, in CSS pixels.
+    pub(crate) fn place_in(self, count: usize, pane: usize, y: f64) -> f64 {
+        let pane = self.panes(count).nth(pane).unwrap_or(self.plot);
+        place_in(pane, y * self.ratio)
+    }
+
     /// The fraction of the plot's width to the left of a position in CSS pixels: 0 to 1.
     pub(crate) fn part(self, x: f64) -> f64 {
         let width = f64::from(self.plot.width.max(1));
@@ -133,6 +151,11 @@ impl Layout {
         let marks = f64::from(self.plot.width) / (width * self.ratio);
         pixels(marks.floor()).unsigned_abs().max(1)
     }
+}
+
+/// The place of a height in device pixels: 0 at the top of a pane, 1 at its bottom.
+fn place_in(pane: Rectangle, y: f64) -> f64 {
+    (y - f64::from(pane.top)) / f64::from(pane.height.max(1))
 }
 
 /// The row and the left position of parts of these lengths, placed one after another in rows of this width. `taken`
@@ -238,6 +261,14 @@ mod tests {
             let bottom = panes[1].top + panes[1].height;
             assert_eq!(bottom, layout.plot.top + layout.plot.height);
             assert_eq!((layout.steps(layout.plot), layout.steps(panes[1])), (8, 3));
+            let [upper, lower] = [8.0 + 95.0 / 2.0, 113.0 + 95.0].map(|y| layout.pane_at(2, y));
+            assert_eq!((upper, lower), (Some((0, 0.5)), Some((1, 1.0))));
+            assert!(
+                layout
+                    .pane_at(2, 0.0)
+                    .is_some_and(|(pane, place)| pane == 0 && place < 0.0)
+            );
+            assert_eq!(layout.pane_at(0, 50.0), None);
         }
     }
 }

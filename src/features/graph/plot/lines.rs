@@ -4,7 +4,7 @@ use motorlink_messages::protocol::Instant;
 
 use crate::{
     features::graph::plot::{
-        columns::{Dot, Grid, Lines},
+        columns::{Dot, Grid, Lines, Spread},
         trace::{self, Trace},
     },
     model::{
@@ -21,8 +21,30 @@ pub(crate) fn trace_lines(
     mirror: Mirror,
     grid: Grid,
 ) -> Vec<Vec<Dot>> {
+    let lines = Lines::new(grid);
+    fill(lines, (history, track), of, mirror, grid).finish()
+}
+
+/// The lines of the means, and the columns of several values with their spread: a noisy trace fills its pane otherwise.
+pub(crate) fn mean_lines(
+    history: &History,
+    track: &Track,
+    of: Trace,
+    mirror: Mirror,
+    grid: Grid,
+) -> (Vec<Vec<Dot>>, Vec<Spread>) {
+    let lines = Lines::averaged(grid);
+    fill(lines, (history, track), of, mirror, grid).finish_with_spreads()
+}
+
+fn fill(
+    mut lines: Lines,
+    (history, track): (&History, &Track),
+    of: Trace,
+    mirror: Mirror,
+    grid: Grid,
+) -> Lines {
     let (from, to) = ends(grid.left_us(), grid.right_us());
-    let mut lines = Lines::new(grid);
     let mut last: Option<(Instant, f32)> = None;
     for points in track.between(from, to) {
         for point in points {
@@ -38,7 +60,7 @@ pub(crate) fn trace_lines(
             last = Some((point.at, value));
         }
     }
-    lines.finish()
+    lines
 }
 
 /// The goal while it had this quantity, up to now. The line has steps, because a goal is valid until it changes.

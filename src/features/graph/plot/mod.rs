@@ -11,6 +11,7 @@
 //! | `surface`, `svg` | what the graph is drawn on, and a vector picture as such |
 //! | `end_labels` | labels at the ends of lines |
 //! | `scale` | the range of an axis, with hysteresis |
+//! | `marks` | commands and events on the time axis |
 //! | `ticks` | the marks of the time axis and their labels |
 //! | `layout` | the division into plot and labels |
 //! | `crosshair` | the values at one moment |
@@ -27,6 +28,7 @@ pub(crate) mod end_labels;
 pub(crate) mod keys;
 pub(crate) mod layout;
 pub(crate) mod lines;
+pub(crate) mod marks;
 pub(crate) mod palette;
 pub(crate) mod scale;
 pub(crate) mod strokes;

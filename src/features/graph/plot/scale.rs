@@ -55,6 +55,20 @@ impl Scale {
         self.upper - self.lower
     }
 
+    /// The part between two places, of which 0 is the upper end and 1 the lower one; beyond them too. It is no shorter
+    /// than a tenth of what is at standstill.
+    #[must_use]
+    pub(crate) fn part(self, trace: Trace, (from, to): (f64, f64)) -> Self {
+        let (lower, upper) = self.ends();
+        let value = |place: f64| in_thousandths(upper - place * (upper - lower));
+        let (least, greatest) = (value(from.max(to)), value(from.min(to)));
+        let short = (least_span(trace) / 10 - (greatest - least)).max(0);
+        Self {
+            lower: least - short / 2,
+            upper: greatest + (short - short / 2),
+        }
+    }
+
     /// The scale for these values: it grows at once and shrinks with hysteresis.
     fn fitted(self, trace: Trace, (least, greatest): (i32, i32)) -> Self {
         let wanted = Self::of(trace, (least, greatest));
@@ -144,6 +158,38 @@ const fn limits(trace: Trace) -> (i32, i32) {
 pub(crate) struct Fitting {
     /// Whether zero is in the middle of the signed traces.
     pub(crate) symmetric: bool,
+    /// The scales that the user has chosen, by the place of their trace.
+    zoomed: [Option<Scale>; Trace::ALL.len()],
+}
+
+impl Fitting {
+    /// With this scale of a trace.
+    #[must_use]
+    pub(crate) fn with(mut self, trace: Trace, scale: Scale) -> Self {
+        if let Some(zoomed) = self.zoomed.get_mut(trace.place()) {
+            *zoomed = Some(scale);
+        }
+        self
+    }
+
+    /// Whether the user has chosen a scale.
+    pub(crate) fn is_zoomed(self) -> bool {
+        self.zoomed.iter().any(Option::is_some)
+    }
+
+    /// With every scale fitted to its values.
+    #[must_use]
+    pub(crate) fn fitted(self) -> Self {
+        Self {
+            symmetric: self.symmetric,
+            ..Self::default()
+        }
+    }
+
+    /// The scale of a trace that the user has chosen.
+    pub(crate) fn zoomed(self, trace: Trace) -> Option<Scale> {
+        self.zoomed.get(trace.place()).copied().flatten()
+    }
 }
 
 /// The scales of all traces, by their place.
@@ -156,17 +202,16 @@ pub(crate) struct Scales {
 impl Scales {
     /// Chooses the scales in this way from now on.
     pub(crate) fn choose(&mut self, fitting: Fitting) {
-        if self.fitting != fitting {
-            *self = Self {
-                fitting,
-                ..Self::default()
-            };
+        if self.fitting.symmetric != fitting.symmetric {
+            *self = Self::default();
         }
+        self.fitting = fitting;
     }
 
     /// The scale of a trace as it is.
     pub(crate) fn of(self, trace: Trace) -> Scale {
         let scale = self.scales.get(trace.place()).copied().flatten();
+        let scale = self.fitting.zoomed(trace).or(scale);
         scale.unwrap_or_else(|| Scale::of(trace, (0, 0)))
     }
 
@@ -192,7 +237,7 @@ impl Scales {
         if let Some(place) = self.scales.get_mut(trace.place()) {
             *place = Some(scale);
         }
-        scale
+        self.fitting.zoomed(trace).unwrap_or(scale)
     }
 }
 
@@ -223,7 +268,7 @@ mod tests {
             (Trace::Speed, (-32_768.0, 32_767.0), (-40_000.0, 40_000.0)),
             (Trace::Current, (0.0, 0.0), (-0.1, 0.1)),
             (Trace::Current, (-0.02, 0.41), (-0.1, 0.5)),
-            (Trace::Temperature, (27.0, 28.0), (22.0, 33.0)),
+            (Trace::Temperature, (27.0, 28.0), (22.0, 34.0)),
             (Trace::Temperature, (2.0, 3.0), (0.0, 8.0)),
             (Trace::Position, (1.0, 359.0), (0.0, 360.0)),
         ] {
@@ -248,7 +293,7 @@ mod tests {
             changes += u32::from(scale != before);
             before = scale;
         }
-        assert!(changes <= 10, "{changes}");
+        assert!(changes <= 12, "{changes}");
         let narrow = scales.fit(Trace::Speed, Some((99.0, 101.0)));
         assert_eq!(narrow.ends(), (90.0, 110.0));
         assert_eq!(scales.fit(Trace::Speed, None), narrow, "without a value");
@@ -258,7 +303,10 @@ mod tests {
     fn a_symmetric_scale_has_zero_in_its_middle() {
         let mut scales = Scales::default();
         let one_sided = scales.fit(Trace::Speed, Some((0.0, 100.0)));
-        scales.choose(Fitting { symmetric: true });
+        scales.choose(Fitting {
+            symmetric: true,
+            ..Fitting::default()
+        });
         for (trace, range) in [
             (Trace::Speed, (0.0, 100.0)),
             (Trace::Speed, (-30.0, 100.0)),
@@ -271,9 +319,31 @@ mod tests {
             );
         }
         let warm = scales.fit(Trace::Temperature, Some((27.0, 28.0)));
-        assert_eq!(warm.ends(), (22.0, 33.0), "it has no sign");
+        assert_eq!(warm.ends(), (22.0, 34.0), "it has no sign");
         scales.choose(Fitting::default());
         assert_eq!(scales.fit(Trace::Speed, Some((0.0, 100.0))), one_sided);
+    }
+
+    #[test]
+    fn a_zoomed_scale_is_as_chosen_until_it_is_fitted_again() {
+        let mut scales = Scales::default();
+        let fitted = scales.fit(Trace::Speed, Some((0.0, 100.0)));
+        let upper_half = fitted.part(Trace::Speed, (0.0, 0.5));
+        assert_eq!(upper_half.ends(), (50.0, 120.0));
+        assert_eq!(fitted.part(Trace::Speed, (0.5, 0.0)), upper_half);
+        assert_eq!(
+            fitted.part(Trace::Speed, (-0.5, 1.5)).ends(),
+            (-90.0, 190.0)
+        );
+        let narrow = fitted.part(Trace::Speed, (0.5, 0.5)).ends();
+        assert_eq!(narrow, (49.0, 51.0));
+        let fitting = Fitting::default().with(Trace::Speed, upper_half);
+        scales.choose(fitting);
+        assert_eq!(scales.fit(Trace::Speed, Some((0.0, 300.0))), upper_half);
+        assert_eq!(scales.of(Trace::Speed), upper_half);
+        scales.choose(fitting.fitted());
+        let all = scales.fit(Trace::Speed, Some((0.0, 100.0)));
+        assert_eq!(all.ends(), fitted.ends(), "without hysteresis of the zoom");
     }
 
     #[test]

@@ -1,6 +1,10 @@
 //! What the graph is drawn on: a canvas, or a vector picture.
 
-use crate::features::graph::plot::{layout::Rectangle, palette::Colour, strokes::Pixel};
+use crate::features::graph::plot::{
+    layout::Rectangle,
+    palette::Colour,
+    strokes::{Bar, Pixel},
+};
 
 /// Subpixels per device pixel. plotters draws at whole pixels, which turns a gentle slope into steps. So it gets
 /// coordinates eight times as large, and a canvas scales them down.
@@ -56,6 +60,9 @@ pub(crate) trait LineSurface {
 
     /// Draws a line through these points, which are in subpixels, from left to right.
     fn line(&mut self, points: Vec<Pixel>, pen: &Pen);
+
+    /// Draws bars that are one device pixel wide; their ends are in subpixels.
+    fn bars(&mut self, bars: &[Bar], colour: Colour);
 
     /// Writes a text to the right of a position in device pixels. Its middle is at the height `y`.
     fn label(&mut self, text: &str, at: (f64, f64), colour: Colour);

@@ -4,7 +4,7 @@ use crate::{
     features::graph::plot::{
         layout::Rectangle,
         palette::{Colour, css},
-        strokes::Pixel,
+        strokes::{Bar, Pixel},
         surface::{Align, AxesSurface, DASH, FINE, LineSurface, Opacity, Pen},
     },
     ui::escape::escaped,
@@ -149,10 +149,18 @@ impl LineSurface for Svg {
         self.put(&["</svg>\n"]);
     }
 
+    fn bars(&mut self, bars: &[Bar], colour: Colour) {
+        self.put(&["<path d=\""]);
+        for bar in bars {
+            let [x, top, bottom] = [bar.x, bar.top, bar.bottom].map(of_fine);
+            self.put(&["M", &x, " ", &top, "V", &bottom]);
+        }
+        self.put(&["\" stroke=\"", &css(colour), "\" stroke-width=\"1\"/>\n"]);
+    }
+
     fn line(&mut self, points: Vec<Pixel>, pen: &Pen) {
         let mut command = "<path d=\"M";
         for (x, y) in points {
-            let of_fine = |fine: i32| number(f64::from(fine) / f64::from(FINE));
             self.put(&[command, &of_fine(x), " ", &of_fine(y)]);
             command = "L";
         }
@@ -173,6 +181,10 @@ impl LineSurface for Svg {
     fn label(&mut self, text: &str, at: (f64, f64), colour: Colour) {
         self.write(text, at, Align::Left, colour);
     }
+}
+
+fn of_fine(fine: i32) -> String {
+    number(f64::from(fine) / f64::from(FINE))
 }
 
 /// A text as XML has it, without the characters that XML does not allow.

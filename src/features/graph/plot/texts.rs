@@ -5,7 +5,7 @@ use motorlink_i18n::{terms::in_language, tr};
 use crate::features::graph::plot::{
     comparison::Comparison,
     crosshair::Values,
-    ticks::time_of_day,
+    ticks::{thousandths, time_of_day},
     trace::{Trace, Traces},
     view::{View, Watch},
 };
@@ -81,6 +81,17 @@ pub(crate) fn compared_sentence(
     )
 }
 
+/// ` Marks: 13:15:36 Start: +100 rpm, 13:15:40 Stop.`; nothing without a mark.
+pub(crate) fn marks<'a>(marks: impl Iterator<Item = (String, &'a str)>) -> String {
+    let marks: Vec<String> = marks
+        .map(|(time, words)| format!("{time} {words}"))
+        .collect();
+    if marks.is_empty() {
+        return String::new();
+    }
+    format!(" {}", tr!("Marks: {marks}.", marks = marks.join(", ")))
+}
+
 /// `14.1 s ago`
 pub(crate) fn ago(us: u64) -> String {
     let tenths = us / 100_000;
@@ -95,6 +106,13 @@ pub(crate) fn ago(us: u64) -> String {
             minutes = format!("{}:{:02}", tenths / 600, tenths / 10 % 60)
         ),
     }
+}
+
+/// `Δt 1.240 s`, with its sign: the time from the second cursor to the crosshair.
+pub(crate) fn since(to_us: u64, from_us: u64) -> String {
+    let sign = if to_us < from_us { "\u{2212}" } else { "" };
+    let ms = to_us.abs_diff(from_us) / 1_000;
+    in_language(format!("Δt {sign}{} s", thousandths(ms, 1)))
 }
 
 /// Local year, month, day, hour, minute, second.
@@ -208,6 +226,19 @@ mod tests {
         assert_eq!(ago(14_149_000), "14.1 s ago");
         assert_eq!(ago(50_000), "now");
         assert_eq!(ago(185_000_000), "3:05 min ago");
+    }
+
+    #[test]
+    fn marks_are_told_with_their_time() {
+        let said = marks([("13:15:36".to_owned(), "Stop")].into_iter());
+        assert_eq!(said, " Marks: 13:15:36 Stop.");
+        assert_eq!(marks([].into_iter()), "");
+    }
+
+    #[test]
+    fn the_time_between_two_cursors_has_a_sign() {
+        assert_eq!(since(3_500_000, 2_260_000), "Δt 1.240 s");
+        assert_eq!(since(2_260_000, 3_500_000), "Δt \u{2212}1.240 s");
     }
 
     #[test]

@@ -96,6 +96,17 @@ impl View {
         }
     }
 
+    /// The part between two places: 0 is the left edge, 1 the right.
+    pub(crate) fn part(self, (from, to): (f64, f64), reach: Reach) -> Self {
+        let (from, to) = (
+            limited(from.min(to), 0.0, 1.0),
+            limited(from.max(to), 0.0, 1.0),
+        );
+        let span_us = limited_span(scaled(self.span_us, to - from).unsigned_abs());
+        let moved_us = scaled(self.span_us, 1.0 - to);
+        self.with_span(span_us).panned(-moved_us, reach)
+    }
+
     /// A period of `percent` of the length. The moment at `place` keeps its position: 0 is the left edge, 1 the
     /// right.
     pub(crate) fn zoomed(self, percent: u64, place: f64, reach: Reach) -> Self {
@@ -119,6 +130,17 @@ impl View {
             Watch::Live | Watch::Panned(_) => Watch::Panned(right_us),
         };
         Self { watch, ..self }
+    }
+
+    /// Moved so that a moment is in the middle, unless it is in view.
+    pub(crate) fn showing(self, at_us: u64, reach: Reach) -> Self {
+        let right_us = self.right_us(reach.now_us);
+        if (right_us.saturating_sub(self.span_us)..=right_us).contains(&at_us) {
+            return self;
+        }
+        let to_us = at_us.saturating_add(self.span_us / 2);
+        let by_us = i64::try_from(to_us.abs_diff(right_us)).unwrap_or(i64::MAX);
+        self.panned(if to_us < right_us { -by_us } else { by_us }, reach)
     }
 
     /// Moved to the oldest reply.
@@ -218,6 +240,27 @@ mod tests {
                 "{percent} {place}"
             );
         }
+    }
+
+    #[test]
+    fn a_part_of_a_view_is_chosen_in_either_direction() {
+        let view = minute().paused(300 * SECOND);
+        let part = view.part((0.25, 0.5), REACH);
+        assert_eq!((right_s(part), part.span_us), (270, 15 * SECOND));
+        assert_eq!(view.part((0.5, 0.25), REACH), part);
+        assert_eq!(
+            minute().part((0.0, 0.5), REACH).watch,
+            Watch::Panned(370 * SECOND)
+        );
+    }
+
+    #[test]
+    fn a_moment_out_of_view_is_shown_in_the_middle() {
+        let view = minute().paused(300 * SECOND);
+        assert_eq!(view.showing(250 * SECOND, REACH), view);
+        assert_eq!(right_s(view.showing(200 * SECOND, REACH)), 230);
+        assert_eq!(right_s(view.showing(350 * SECOND, REACH)), 380);
+        assert_eq!(right_s(view.showing(399 * SECOND, REACH)), 400, "up to now");
     }
 
     #[test]
