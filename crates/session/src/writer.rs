@@ -10,7 +10,8 @@ use crate::{
     channels::{
         Topic, events,
         link::{Meter, Second},
-        schemas, state,
+        schemas,
+        state::{self, Replies},
         telemetry::{Motors, Reported},
         wire::Batch,
     },
@@ -47,6 +48,7 @@ pub struct Writer {
     events: u16,
     link: u16,
     state: Option<u16>,
+    replies: Replies,
     /// The last state, and when it was last written.
     last_state: Option<(Instant, Update)>,
     telemetry_schema: u16,
@@ -85,6 +87,7 @@ impl Writer {
             events,
             link,
             state: None,
+            replies: Replies::default(),
             last_state: None,
             telemetry_schema,
             channels: BTreeMap::new(),
@@ -105,6 +108,7 @@ impl Writer {
         if let LineEventKind::ModelSelected(model) = event.kind {
             self.flush();
             self.batch.set_model(model);
+            self.replies.set_model(model);
             self.overview.set_model(model);
             self.motors.add_event(event);
             return;
@@ -117,6 +121,7 @@ impl Writer {
         }
         self.last = event.at;
         self.batch.push(event);
+        self.replies.add_event(event);
         self.count(event.at, What::Line(event.kind));
         if let Some(reported) = self.motors.add_event(event) {
             self.reported(event.at, &reported);
@@ -144,21 +149,26 @@ impl Writer {
         let Some(mut update) = stored_state::read(stored, at) else {
             return;
         };
-        self.put_state(at, stored);
+        self.put_state(at, update.clone());
         self.overview.reach(at, utc_ns(self.zero_unix_us, at));
         update.samples = Vec::new();
         self.last = at;
         self.last_state = Some((at, update));
     }
 
-    fn put_state(&mut self, at: Instant, stored: &[u8]) {
+    fn put_state(&mut self, at: Instant, update: Update) {
         self.flush();
         let log_ns = utc_ns(self.zero_unix_us, at);
         let container = &mut self.container;
         let channel = self
             .state
             .get_or_insert_with(|| container.own_channel(state::ENCODING, Topic::STATE));
-        container.message(*channel, log_ns, &state::message(at, stored));
+        let message = if container.is_first(*channel, log_ns) {
+            self.replies.whole(at, update)
+        } else {
+            self.replies.message(at, update)
+        };
+        container.message(*channel, log_ns, &message);
     }
 
     /// Writes the state again if it is old: a jump reads the last seconds only. Behind a gap it holds no more.
@@ -172,8 +182,8 @@ impl Writer {
             *written = now;
             // Its readings keep their times.
             update.now = now;
-            let stored = stored_state::store(update.clone());
-            self.put_state(now, &stored);
+            let update = update.clone();
+            self.put_state(now, update);
         }
     }
 

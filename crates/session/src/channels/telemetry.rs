@@ -107,9 +107,10 @@ impl Reported {
             if current.scale().is_certain() {
                 out.push_str(",\"current_a\":");
                 push_amps(out, current);
+            } else {
+                out.push_str(",\"current_raw\":");
+                push_signed(out, current.raw());
             }
-            out.push_str(",\"current_raw\":");
-            push_signed(out, current.raw());
         }
         match detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
@@ -239,13 +240,13 @@ mod tests {
         assert!(reported.faults_changed.is_none());
         assert_eq!(
             text(&reported),
-            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"current_raw":717,"position_deg":66.96,"turns":0.000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
+            r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"position_deg":66.96,"turns":0.000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
         );
         let reported = motors
             .add_event(&event(4, reply(0x1C00, -7, Layout::Query)))
             .unwrap();
         assert!(text(&reported).contains(
-            r#""speed_rpm":-7,"current_a":0.175,"current_raw":717,"position_deg":0.0,"temperature_c":28,"#
+            r#""speed_rpm":-7,"current_a":0.175,"position_deg":0.0,"temperature_c":28,"#
         ));
     }
 

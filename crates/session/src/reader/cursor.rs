@@ -10,7 +10,7 @@ use motorlink_protocol::family::Model;
 
 use super::{Problem, Problems, Session};
 use crate::{
-    channels::{Topic, events, state, wire},
+    channels::{Topic, events, state::Replies, wire},
     clock::{utc_ns, zero_unix_us},
     mcap::{
         CRC,
@@ -24,9 +24,6 @@ use crate::{
 
 /// Maximal bytes per message. The messages of the writer have 40 kB.
 const MESSAGE_BYTES_MAX: usize = 1 << 20;
-
-/// A message that begins this long before a time has no frame at that time: messages span a tenth of a second.
-const SPAN_NS: u64 = 1_000_000_000;
 
 /// Reads records in the order of the file.
 #[derive(Debug)]
@@ -43,6 +40,8 @@ pub struct Cursor {
     topics: BTreeMap<u16, Topic>,
     /// The model of the motors in the last message.
     model: Model,
+    /// The replies of the next state.
+    replies: Replies,
     problems: Problems,
 }
 
@@ -70,6 +69,7 @@ impl Cursor {
             from_ns: None,
             topics: session.topics.clone(),
             model: Model::default(),
+            replies: Replies::default(),
             problems: Problems::default(),
         }
     }
@@ -167,7 +167,7 @@ impl Cursor {
             match head {
                 Some((((channel, _sequence), log_ns), _published)) => {
                     let topic = self.topics.get(&channel).copied();
-                    let content = read(topic, log_ns, fields.0, self.from_ns);
+                    let content = read(&mut self.replies, topic, log_ns, fields.0);
                     self.take(content);
                 }
                 None => self.problems.add(Problem::MessageDamaged),
@@ -211,13 +211,12 @@ struct Content {
 }
 
 /// Parses a message; `None` if it is damaged.
-fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) -> Option<Content> {
-    let is_before = from_ns.is_some_and(|from| log_ns.saturating_add(SPAN_NS) < from);
+fn read(replies: &mut Replies, topic: Option<Topic>, log_ns: u64, data: &[u8]) -> Option<Content> {
     let mut content = Content {
         is_complete: true,
         ..Content::default()
     };
-    let Some(topic) = topic.filter(|_| !is_before) else {
+    let Some(topic) = topic else {
         return Some(content);
     };
     if data.len() > MESSAGE_BYTES_MAX {
@@ -228,6 +227,10 @@ fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) ->
             let wire = wire::read(data)?;
             let first = wire.events.first().map(|event| event.at);
             let zero_us = zero_unix_us(first.unwrap_or_default(), log_ns);
+            replies.set_model(wire.model);
+            for event in &wire.events {
+                replies.add_event(event);
+            }
             let records = wire
                 .events
                 .into_iter()
@@ -249,7 +252,7 @@ fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) ->
             });
         }
         Topic::State => {
-            let (at, state) = state::read(data)?;
+            let (at, state) = replies.read(data)?;
             // One of another version is no damage: what the frames tell is shown.
             content.records.extend(state.map(|state| Record {
                 at,

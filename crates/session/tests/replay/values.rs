@@ -139,16 +139,21 @@ fn telemetry_says_what_each_model_reported_in_each_of_its_loops() {
                 // An angle is not repeated with a new time.
                 let (turns, angle) = (message.number("turns"), message.number("position_deg"));
                 assert_eq!(turns.is_some(), angle.is_some(), "{what}");
-                let raw = message.number("current_raw");
-                assert_eq!(raw.is_some(), sample.reply.current.is_some(), "{what}");
+                // The reported number is there where its amps are uncertain.
+                let amps = sample
+                    .reply
+                    .current
+                    .map(|current| f64::from(current.amps()));
                 let is_certain = model.spec().current.is_certain();
-                let known = raw.filter(|_| is_certain);
+                let uncertain = amps.filter(|_| !is_certain);
+                let raw = message.number("current_raw");
+                assert_eq!(raw.is_some(), uncertain.is_some(), "{what}");
+                let known = amps.filter(|_| is_certain);
                 let current = message.number("current_a");
                 assert_eq!(current.is_some(), known.is_some(), "{what}");
-                if let (Some(current), Some(raw)) = (current, known) {
-                    let full_scale = f64::from(model.spec().current.milliamps()) / 1_000.0;
-                    let exact = raw * full_scale / 32_767.0;
-                    assert!((current - exact).abs() <= 0.000_5, "{what}");
+                if let (Some(current), Some(amps)) = (current, known) {
+                    // The bus has steps of 0.244 mA.
+                    assert!((current - amps).abs() <= 0.000_625, "{what}");
                 }
             }
             let drives: Vec<_> = messages
