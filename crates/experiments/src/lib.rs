@@ -13,6 +13,8 @@
 //! | [`chart`] | charts of findings, as data and as SVG |
 //! | [`kept`] | a run that is kept, and its exports |
 //! | [`vehicle`] | a vehicle on hub motors: its measures, its wheels, its motion from their speeds |
+//! | [`odometry`] | the motion of a vehicle from the replies of its wheels |
+//! | [`number`] | functions of numbers |
 //! | [`generate`] | a sequence as a program: Python, Arduino; a vehicle as a robot for ROS 2 |
 //!
 //! # Example
@@ -33,7 +35,8 @@ pub mod analysis;
 pub mod chart;
 pub mod generate;
 pub mod kept;
-mod number;
+pub mod number;
+pub mod odometry;
 pub mod plan;
 pub mod runner;
 pub mod sequence;

@@ -2,6 +2,8 @@
 //!
 //! It is a differential drive: its wheels roll and do not slip, and those of one side turn together.
 
+mod stored;
+
 use motorlink_protocol::MotorId;
 
 /// Wheel radii in mm: half and ten times that of the smallest and the largest wheel in use, with room.

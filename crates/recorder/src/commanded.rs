@@ -10,15 +10,17 @@ const COUNTS_FOR: Duration = Duration::from_millis(1_500);
 
 /// The setpoint of a drive frame, in the loop in which the motor reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Commanded {
+pub struct Commanded {
     /// Bytes 2 and 3 of the frame.
-    pub(crate) value: [u8; 2],
-    pub(crate) mode: Mode,
+    pub value: [u8; 2],
+    /// The loop.
+    pub mode: Mode,
 }
 
 impl Commanded {
     /// The value in its unit, for a motor of this model.
-    pub(crate) fn value(self, model: Model) -> CommandedValue {
+    #[must_use]
+    pub fn value(self, model: Model) -> CommandedValue {
         let drive = Drive {
             value: self.value,
             acceleration: Acceleration::DEFAULT,
@@ -30,7 +32,7 @@ impl Commanded {
 
 /// The last command of each motor.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Commands(Vec<Last>);
+pub struct Commands(Vec<Last>);
 
 #[derive(Clone, Copy, Debug)]
 struct Last {
@@ -47,7 +49,7 @@ impl Commands {
 
     /// Takes in an event of a line of this model. Only drive frames, mode switches and what is known count.
     #[inline(never)]
-    pub(crate) fn add_event(&mut self, model: Model, event: &LineEvent) {
+    pub fn add_event(&mut self, model: Model, event: &LineEvent) {
         let Some((id, told)) = motorlink_bus::commanded(model, &event.kind) else {
             return;
         };
@@ -79,7 +81,8 @@ impl Commands {
     }
 
     /// The command of a motor at this time.
-    pub(crate) fn at(&self, address: u8, at: Instant) -> Option<Commanded> {
+    #[must_use]
+    pub fn at(&self, address: u8, at: Instant) -> Option<Commanded> {
         let last = self.last(address)?;
         last.commanded.filter(|_| at.since(last.at) <= COUNTS_FOR)
     }

@@ -46,6 +46,7 @@ mod view;
 mod wall_clock;
 
 pub use charset::{Charset, spelled_out};
+pub use commanded::{Commanded, Commands};
 pub use csv_file::{CsvFile, CsvLines, REPLY, mode_cell, unmarked};
 pub use local_time::LocalTime;
 pub use log::{ENTRIES_MAX, Log};

@@ -100,5 +100,5 @@ fn iso(ns: u64) -> String {
 /// A text of the file without control characters, which a terminal would execute.
 pub(crate) fn one_line(text: &str) -> String {
     let harmless = text.chars().filter(|letter| !letter.is_control());
-    harmless.take(200).collect()
+    harmless.take(600).collect()
 }

@@ -49,10 +49,13 @@ fn run() -> (RunHeader, RunRecord) {
     (header, record)
 }
 
+const ROVER: &str = r#"{"wheel_radius_mm":51,"track_width_mm":300,"wheels":[{"id":1,"side":"left","forward_sign":1},{"id":2,"side":"right","forward_sign":-1}]}"#;
+
 impl Fixture {
     fn new() -> Self {
         let fixture = Self(tempfile::tempdir().unwrap());
-        let mut writer = Writer::new(1_795_266_936_962_000, &[("page", "0.1.0")]);
+        let about = [("page", "0.1.0"), ("rover", ROVER)];
+        let mut writer = Writer::new(1_795_266_936_962_000, &about);
         writer.event(
             Instant::ZERO,
             &Event::new(EventKind::Connected, "Connected"),
@@ -107,8 +110,10 @@ impl Fixture {
 #[test]
 fn info_says_what_is_in_a_file() {
     let text = Fixture::new().prints(&["info", "run.mcap"]);
+    let rover = format!("rover       {ROVER}");
     for part in [
         "page        0.1.0",
+        &rover,
         "from        2026-11-21T13:15:36.962Z",
         "duration    0.382 s",
         "frames      20 sent, 20 received",

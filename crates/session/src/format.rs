@@ -13,3 +13,6 @@ pub(crate) const VERSION_TEXT: &str = "1";
 
 /// The attachment with the overview.
 pub(crate) const OVERVIEW: &str = "overview.json";
+
+/// The rover in the metadata, as `Vehicle::to_json` of `motorlink_experiments` writes it.
+pub(crate) const ROVER_KEY: &str = "rover";

@@ -10,6 +10,7 @@ use crate::{
     channels::{
         Topic, events,
         link::{Meter, Second},
+        rover::{Moved, Rover},
         schemas,
         state::{self, Replies},
         telemetry::{Motors, Reported},
@@ -43,6 +44,8 @@ pub struct Writer {
     spare: Vec<String>,
     motors: Motors,
     meter: Meter,
+    /// With the channels of `/odom` and `/cmd_vel`.
+    rover: Option<(Rover, [u16; 2])>,
     overview: Overview,
     wire: u16,
     events: u16,
@@ -57,7 +60,8 @@ pub struct Writer {
 
 impl Writer {
     /// Starts a file. `zero_unix_us` is the wall clock at [`Instant::ZERO`], in microseconds since 1970, UTC. `about`
-    /// describes the origin of the session in names and values, such as the version of the page.
+    /// describes the origin of the session in names and values, such as the version of the page. The value of `rover`, a
+    /// `Vehicle` as JSON, adds the motion of that rover.
     #[must_use]
     pub fn new(zero_unix_us: i64, about: &[(&str, &str)]) -> Self {
         let library = concat!("motorlink-session ", env!("CARGO_PKG_VERSION"));
@@ -71,6 +75,12 @@ impl Writer {
         let wire = channel(schemas::WIRE, Topic::WIRE);
         let events = channel(schemas::EVENT, Topic::EVENTS);
         let link = channel(schemas::LINK, Topic::LINK);
+        let rover = about.iter().find(|(name, _)| *name == format::ROVER_KEY);
+        let rover = rover.and_then(|(_, json)| Rover::from_json(json));
+        let rover = rover.map(|rover| {
+            let odom = channel(schemas::ODOMETRY, Topic::ODOM);
+            (rover, [odom, channel(schemas::TWIST, Topic::CMD_VEL)])
+        });
         let (name, json) = schemas::TELEMETRY;
         let telemetry_schema = container.schema(name, json);
         Self {
@@ -82,6 +92,7 @@ impl Writer {
             spare: Vec::new(),
             motors: Motors::default(),
             meter: Meter::default(),
+            rover,
             overview: Overview::default(),
             wire,
             events,
@@ -123,7 +134,14 @@ impl Writer {
         self.batch.push(event);
         self.replies.add_event(event);
         self.count(event.at, What::Line(event.kind));
-        if let Some(reported) = self.motors.add_event(event) {
+        let reported = self.motors.add_event(event);
+        if let Some((rover, _)) = &mut self.rover {
+            rover.add_event(self.motors.model(), event);
+            if let Some(reported) = &reported {
+                rover.add_reply(event.at, &reported.reply);
+            }
+        }
+        if let Some(reported) = reported {
             self.reported(event.at, &reported);
         }
     }
@@ -139,6 +157,10 @@ impl Writer {
 
     /// Adds an event between frames. Faults are derived from replies, so fault events are ignored here.
     pub fn event(&mut self, at: Instant, event: &Event) {
+        let is_of_line = matches!(event.kind, EventKind::Connected | EventKind::Disconnected);
+        if let Some((rover, _)) = self.rover.as_mut().filter(|_| is_of_line) {
+            rover.cut_off();
+        }
         if event.kind != EventKind::Fault {
             self.put_event(at, event);
         }
@@ -236,6 +258,18 @@ impl Writer {
             let log_ns = utc_ns(self.zero_unix_us, at);
             container.message(channel, log_ns, json.as_bytes());
             self.spare.push(json);
+        }
+        let Some((rover, [odom, cmd_vel])) = &mut self.rover else {
+            return;
+        };
+        for moved in rover.take() {
+            let channel = match moved {
+                Moved::Odometry(_) => *odom,
+                Moved::Command(..) => *cmd_vel,
+            };
+            let log_ns = utc_ns(self.zero_unix_us, moved.at());
+            let json = moved.json(log_ns);
+            self.container.message(channel, log_ns, json.as_bytes());
         }
     }
 

@@ -7,7 +7,7 @@ use std::{env, ffi::OsStr, fs, process::Command};
 
 use motorlink_messages::{Connection, Update, sessions::Bookmark};
 use motorlink_session::{Record, What, copy, open, overview};
-use sample::{file_of, lines, records};
+use sample::{file_about, lines, records};
 
 /// The records, with what the page showed behind the first.
 fn with_states() -> Vec<Record> {
@@ -31,7 +31,8 @@ fn with_states() -> Vec<Record> {
 
 /// A session, and its copy with a bookmark.
 fn files() -> [Vec<u8>; 2] {
-    let file = file_of(&with_states());
+    let rover = r#"{"wheel_radius_mm":50,"track_width_mm":300,"wheels":[{"id":1,"side":"left"},{"id":7,"side":"right"}]}"#;
+    let file = file_about(&[("page", "0.1.0"), ("rover", rover)], &with_states());
     let mut source = &file[..];
     let session = open(&mut source).unwrap().unwrap();
     let (overview, _) = overview(&mut source, &session).unwrap();

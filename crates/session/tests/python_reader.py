@@ -48,6 +48,8 @@ def main(path, messages_expected, frames_expected):
         attachments = {one.name: one.data for one in reader.iter_attachments()}
         metadata = {one.name: one.metadata for one in reader.iter_metadata()}
     assert metadata["motorlink"]["version"] == "1", metadata
+    assert topics["/odom"] and topics["/cmd_vel"], topics
+    assert json.loads(metadata["motorlink"]["rover"])["wheel_radius_mm"] == 50, metadata
     json.loads(attachments["overview.json"])
     runs = [json.loads(data) for name, data in attachments.items() if name.startswith("run-")]
     assert [(len(run["samples"]), len(run["sent"])) for run in runs] == [(50, 1)], runs

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use motorlink_messages::experiments::vehicle::{Geometry, Motion, Place};
-
-use crate::features::rover::odometry::Pose;
+use motorlink_messages::experiments::{
+    odometry::Pose,
+    vehicle::{Geometry, Motion, Place},
+};
 
 /// An arrow shows where a point of the vehicle is after this time: at 200 rpm it is as long as the vehicle.
 const SHOWN_S: f64 = 0.25;

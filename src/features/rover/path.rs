@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::features::rover::{odometry::Pose, wheel_track::Link};
+use motorlink_messages::experiments::odometry::{Link, Pose};
 
 /// Above this number every other point is left out: 400 points are as fine as a screen shows them.
 const POINTS_MAX: usize = 400;

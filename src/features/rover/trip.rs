@@ -4,24 +4,20 @@
 //! drew nothing.
 
 use motorlink_messages::{
-    experiments::vehicle::{Geometry, Vehicle},
+    experiments::{
+        odometry::{Angle, Odometer, Pose, Report},
+        vehicle::{Geometry, Vehicle},
+    },
     protocol::{Instant, MotorId},
 };
 
 use crate::{
-    features::rover::{
-        odometry::{Odometer, Pose},
-        path::Path,
-        wheel_track::Report,
-    },
+    features::rover::path::Path,
     model::{
         history::{History, Point},
         point::Kept,
     },
 };
-
-/// The resolution of the angle in a query reply, in degrees. It is cut off, not rounded.
-const COARSE_STEP_DEG: f64 = 360.0 / 255.0;
 
 /// The way of the vehicle since the last reset.
 #[derive(Clone, Debug, Default)]
@@ -64,7 +60,7 @@ impl Trip {
             let Some(track) = history.track(wheel.id) else {
                 continue;
             };
-            let newest = odometer.newest_us(place).map(Instant::from_micros);
+            let newest = odometer.newest(place);
             let mut before = newest;
             let (_, new) = track.around(newest.unwrap_or(since));
             for point in new.filter(|point| Some(point.at) > newest) {
@@ -76,7 +72,7 @@ impl Trip {
             }
         }
         let path = &mut self.path;
-        odometer.advance(|pose, link| path.extend(pose, link));
+        odometer.advance(|step| path.extend(step.pose, step.link));
     }
 
     pub(crate) fn pose(&self) -> Pose {
@@ -105,21 +101,10 @@ impl Trip {
 
 /// `None` without a speed.
 fn report(point: &Point, is_cut_off: bool) -> Option<Report> {
-    let step = match point.detail {
-        Kept::Fine(_) => 0.0,
-        Kept::Coarse(..) | Kept::Odometry(_) | Kept::Temperature(_) | Kept::Nothing => {
-            COARSE_STEP_DEG
-        }
+    let angle = match point.detail {
+        Kept::Fine(position) => Angle::Fine(position),
+        Kept::Coarse(_, position) => Angle::Coarse(position),
+        Kept::Odometry(_) | Kept::Temperature(_) | Kept::Nothing => Angle::None,
     };
-    // No source says whether the angle of an odometry reply grows at positive speed: its speed counts.
-    let is_odometry = matches!(point.detail, Kept::Odometry(_));
-    Some(Report {
-        at_us: point.at.as_micros(),
-        angle: point
-            .degrees()
-            .filter(|_| !is_odometry)
-            .map(|degrees| (f64::from(degrees), step)),
-        rpm: f64::from(point.speed()?.rpm()),
-        is_cut_off,
-    })
+    Some(Report::new(point.at, point.speed()?, angle, is_cut_off))
 }

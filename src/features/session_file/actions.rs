@@ -5,8 +5,9 @@ use std::rc::Rc;
 use js_sys::Reflect;
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
-use motorlink_messages::sessions::{
-    FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions,
+use motorlink_messages::{
+    experiments::vehicle::Geometry,
+    sessions::{FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions},
 };
 use wasm_bindgen::JsValue;
 use web_sys::{Blob, MessageChannel};
@@ -23,7 +24,11 @@ use crate::{
         texts,
     },
     link::sessions_link::SessionsLink,
-    model::{page::Page, replay},
+    model::{
+        page::Page,
+        replay,
+        vehicle::{geometry_of_page, vehicle_of},
+    },
     ui::{
         clock::{local_date, local_time, page_now_ms, page_origin_ms},
         download::save_blob,
@@ -56,6 +61,8 @@ pub(crate) struct SessionFiles {
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     /// The name of the file whose bookmarks stay although its worker has ended; else empty.
     lost: StoredValue<String>,
+    /// The measures of a rover, for its motion in the file.
+    geometry: RwSignal<Geometry>,
     /// How much is saved.
     pub(super) save_range: RwSignal<SaveRange>,
     /// What the panel says about saving.
@@ -91,6 +98,7 @@ impl SessionFiles {
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
                     lost: StoredValue::default(),
+                    geometry: geometry_of_page(owner),
                     save_range: RwSignal::default(),
                     saved: RwSignal::default(),
                     said: RwSignal::default(),
@@ -250,9 +258,11 @@ impl SessionFiles {
             let recorder = recorder.as_ref();
             recorder.map(|recorder| recorder.hand_over(&channel.port1()))
         });
+        let vehicle = self.page.motors.names.with_untracked(vehicle_of);
         let message = ToSessions::Save {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             setup: self.page.setup().to_json(),
+            rover: vehicle.map(|vehicle| vehicle.to_json(self.geometry.get_untracked())),
             last_s: self.save_range.get_untracked().last_s(),
         };
         self.post(&message, handle, &[channel.port2().into()]);

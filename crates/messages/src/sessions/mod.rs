@@ -23,6 +23,8 @@ pub enum ToSessions {
         version: String,
         /// The setup as JSON.
         setup: String,
+        /// The rover of the setup with its measures, as `Vehicle::to_json` of `experiments` writes it, if there is one.
+        rover: Option<String>,
         /// Only so many seconds, up to the newest record; `None` for everything.
         last_s: Option<u32>,
     },

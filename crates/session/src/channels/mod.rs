@@ -6,6 +6,7 @@
 //! | `/motors/<id>/telemetry` | telemetry of a motor, derived from its replies |
 //! | `/events` | events between frames |
 //! | `/state` | what the page showed, for a replay |
+//! | `/odom`, `/cmd_vel` | motion of a rover, derived from replies and setpoints |
 //! | `/link` | counts and round trips per second, derived from frames |
 //!
 //! `docs/sessions.md` describes them for people who read such files.
@@ -13,6 +14,7 @@
 pub(crate) mod events;
 mod json;
 pub(crate) mod link;
+pub(crate) mod rover;
 pub(crate) mod schemas;
 pub(crate) mod state;
 pub(crate) mod telemetry;
@@ -33,6 +35,8 @@ impl Topic {
     pub(crate) const EVENTS: &str = "/events";
     pub(crate) const STATE: &str = "/state";
     pub(crate) const LINK: &str = "/link";
+    pub(crate) const ODOM: &str = "/odom";
+    pub(crate) const CMD_VEL: &str = "/cmd_vel";
 
     /// `None` for other topics: they are derived from these, or do not belong to a session.
     pub(crate) fn from_name(name: &str) -> Option<Self> {

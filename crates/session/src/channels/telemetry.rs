@@ -8,7 +8,10 @@ use motorlink_bus::{
     CommandedValue, LineEvent, LineEventKind, LineSamples, TurnCounter, Turns, commanded,
     reported_current,
 };
-use motorlink_protocol::{Detail, Faults, Instant, Mode, MotorId, Reply, Scaled, family::Current};
+use motorlink_protocol::{
+    Detail, Faults, Instant, Mode, MotorId, Reply, Scaled,
+    family::{Current, Model},
+};
 use motorlink_recorder::digits::push_decimal;
 
 use super::{push_text, wire::mode_name};
@@ -46,6 +49,10 @@ pub(crate) struct Reported {
 }
 
 impl Motors {
+    pub(crate) const fn model(&self) -> Model {
+        self.samples.model()
+    }
+
     /// Takes an event of the bus. Returns the telemetry if it is a reply that says something of the wheel.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         let sample = self.samples.add_event(event);

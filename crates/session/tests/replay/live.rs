@@ -195,11 +195,16 @@ impl Live {
     }
 
     /// The session file of what the recorder keeps, and every update to the page.
-    pub fn end(mut self) -> (Vec<u8>, Vec<Update>) {
+    pub fn end(self) -> (Vec<u8>, Vec<Update>) {
+        self.end_as(&[("page", "test")])
+    }
+
+    /// The same with this metadata.
+    pub fn end_as(mut self, about: &[(&str, &str)]) -> (Vec<u8>, Vec<Update>) {
         self.run(ms(50));
         self.post_update(Connection::Connected(Adapter::Serial(None)));
         let mut part = self.recorder.first_kept(None, 100);
-        let mut writer = Writer::new(ZERO_US, &[("page", "test")]);
+        let mut writer = Writer::new(ZERO_US, about);
         loop {
             let Kept::Part {
                 zero_us,

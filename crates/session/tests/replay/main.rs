@@ -8,6 +8,7 @@ mod of_frames;
 mod packet_log;
 mod playing;
 mod random;
+mod rover;
 mod seeking;
 mod states;
 mod steps;

@@ -136,7 +136,12 @@ pub fn run() -> (RunHeader, RunRecord) {
 
 /// A file of these records, with the setup and a run.
 pub fn file_of(records: &[Record]) -> Vec<u8> {
-    let mut writer = Writer::new(ZERO_US, &[("page", "0.1.0")]);
+    file_about(&[("page", "0.1.0")], records)
+}
+
+/// The same with this metadata.
+pub fn file_about(about: &[(&str, &str)], records: &[Record]) -> Vec<u8> {
+    let mut writer = Writer::new(ZERO_US, about);
     let mut file = Vec::new();
     for record in records {
         writer.record(record);

@@ -77,6 +77,7 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
         ToSessions::Save {
             version,
             setup,
+            rover,
             last_s,
         } => {
             // The channel is the last one.
@@ -93,6 +94,7 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
                 let order = saving::SaveOrder {
                     version,
                     setup,
+                    rover,
                     last,
                 };
                 saving::save(&shared, recorder, handle, &order).await;

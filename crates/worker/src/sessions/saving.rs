@@ -37,6 +37,8 @@ pub(super) struct SaveOrder {
     pub(super) version: String,
     /// The setup as JSON.
     pub(super) setup: String,
+    /// The rover as JSON, if the setup has one.
+    pub(super) rover: Option<String>,
     /// Only so much, up to the newest record.
     pub(super) last: Option<Duration>,
 }
@@ -143,7 +145,8 @@ async fn write_to(
             Kept::Restoring => return Err(NotSaved::Restoring),
             Kept::Changed => return Err(NotSaved::Changed),
         };
-        let about = [("page", order.version.as_str())];
+        let mut about = vec![("page", order.version.as_str())];
+        about.extend(order.rover.as_ref().map(|rover| ("rover", rover.as_str())));
         let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &about));
         for record in slice {
             records += u64::from(!matches!(record, KeptRecord::State { .. }));

@@ -6,10 +6,10 @@
 
 use std::collections::VecDeque;
 
-use crate::{
-    features::rover::angle_judge::{AngleJudge, Verdict},
-    ui::mathematics::{limited, modulo},
-};
+use motorlink_protocol::{CoarsePosition, Detail, Instant, Position, Rpm};
+
+use super::angle_judge::{AngleJudge, Verdict};
+use crate::number::{limited, modulo};
 
 /// From so long a time between two replies on, the speeds bridge it: the angle no longer tells the turn where the
 /// speed deviates by 100 rpm for 0.3 s.
@@ -17,11 +17,11 @@ const BRIDGED_OVER_US: u64 = 300_000;
 /// The way by angle deviates from the way by speed by this at most: the same bound.
 const DEVIATION_RPM_MAX: f64 = 100.0;
 /// From so long a time on, what the wheel did is unknown. The history draws gaps of the same length.
-pub(crate) const GAP_OVER_US: u64 = 1_000_000;
+pub(super) const GAP_OVER_US: u64 = 1_000_000;
 
 /// How the way between two moments is known, from worst to best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Link {
+pub enum Link {
     /// Not at all.
     Unknown,
     /// By the speeds: before and after a gap, or while the angle does not follow them.
@@ -30,15 +30,59 @@ pub(crate) enum Link {
     Known,
 }
 
+/// The resolution of the angle in a query reply, in degrees. It is cut off, not rounded.
+const COARSE_STEP_DEG: f64 = 360.0 / 255.0;
+
+/// The angle in a reply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Angle {
+    /// Of a drive reply.
+    Fine(Position),
+    /// Of a query reply.
+    Coarse(CoarsePosition),
+    /// The reply has none that odometry can use.
+    None,
+}
+
+impl From<Detail> for Angle {
+    fn from(detail: Detail) -> Self {
+        match detail {
+            Detail::Drive { position } => Self::Fine(position),
+            Detail::Query { position, .. } => Self::Coarse(position),
+            // No source says whether the angle of an odometry reply grows at positive speed: its speed counts.
+            Detail::Odometry { .. } | Detail::Temperature(_) | Detail::Undetermined(_) => {
+                Self::None
+            }
+        }
+    }
+}
+
 /// A reply, as odometry needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Report {
-    pub(crate) at_us: u64,
+pub struct Report {
+    pub(super) at_us: u64,
     /// The angle in degrees, which falls at positive speed, and its resolution.
-    pub(crate) angle: Option<(f64, f64)>,
-    pub(crate) rpm: f64,
+    pub(super) angle: Option<(f64, f64)>,
+    pub(super) rpm: f64,
     /// Whether it is the first of a connection.
-    pub(crate) is_cut_off: bool,
+    pub(super) is_cut_off: bool,
+}
+
+impl Report {
+    /// A reply of this time. `is_cut_off` says whether it is the first of a connection.
+    #[must_use]
+    pub fn new(at: Instant, speed: Rpm, angle: Angle, is_cut_off: bool) -> Self {
+        Self {
+            at_us: at.as_micros(),
+            angle: match angle {
+                Angle::Fine(position) => Some((position.degrees().into(), 0.0)),
+                Angle::Coarse(position) => Some((position.degrees().into(), COARSE_STEP_DEG)),
+                Angle::None => None,
+            },
+            rpm: speed.rpm().into(),
+            is_cut_off,
+        }
+    }
 }
 
 /// The way at a moment, in turns at positive speed.
@@ -52,7 +96,7 @@ struct Knot {
 
 /// The way of one wheel.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct WheelTrack {
+pub(super) struct WheelTrack {
     knots: VecDeque<Knot>,
     last: Option<Report>,
     turns: f64,
@@ -65,17 +109,17 @@ pub(crate) struct WheelTrack {
 
 impl WheelTrack {
     /// When the last reply was read.
-    pub(crate) fn newest_us(&self) -> Option<u64> {
+    pub(super) fn newest_us(&self) -> Option<u64> {
         self.last.map(|last| last.at_us)
     }
 
     /// Whether the angle was found not to follow the speed.
-    pub(crate) const fn angle_misfits(&self) -> bool {
+    pub(super) const fn angle_misfits(&self) -> bool {
         self.judge.misfits()
     }
 
     /// Takes a reply. One that is not newer than the last is skipped.
-    pub(crate) fn report(&mut self, report: Report) {
+    pub(super) fn report(&mut self, report: Report) {
         let since_us = match self.last {
             Some(last) if report.at_us <= last.at_us => return,
             Some(last) => report.at_us - last.at_us,
@@ -136,7 +180,7 @@ impl WheelTrack {
     }
 
     /// The turns within a period, and how they are known; `None` if any of it is unknown.
-    pub(crate) fn turns_between(&self, from_us: u64, to_us: u64) -> Option<(f64, Link)> {
+    pub(super) fn turns_between(&self, from_us: u64, to_us: u64) -> Option<(f64, Link)> {
         let mut turns = 0.0;
         let mut link = Link::Known;
         let mut covered_us = 0;
@@ -154,7 +198,7 @@ impl WheelTrack {
     }
 
     /// Forgets what is older than this, so that the replies of a few ticks are kept.
-    pub(crate) fn forget_before(&mut self, us: u64) {
+    pub(super) fn forget_before(&mut self, us: u64) {
         while self.knots.get(1).is_some_and(|second| second.at_us <= us) {
             self.knots.pop_front();
         }

@@ -1,29 +1,43 @@
 //! The motion of the vehicle from the ways of its wheels: a differential drive, whose wheels roll and do not slip.
 
-use motorlink_messages::experiments::vehicle::{Geometry, Vehicle, Wheel};
+//!
+//! | file | idea |
+//! |---|---|
+//! | `angle_judge` | whether the angle of a wheel follows its speed |
+//! | `wheel_track` | how far a wheel has rolled, from its replies |
+
+mod angle_judge;
+mod wheel_track;
+
+use motorlink_protocol::Instant;
 
 use crate::{
-    features::rover::wheel_track::{GAP_OVER_US, Link, Report, WheelTrack},
-    ui::mathematics::sin_cos,
+    number::sin_cos,
+    vehicle::{Geometry, Motion, Vehicle, Wheel},
 };
+use wheel_track::{GAP_OVER_US, WheelTrack};
+
+pub use wheel_track::{Angle, Link, Report};
 
 /// The vehicle moves on an exact arc within each tick: one period of a motor at 50 Hz.
 const TICK_US: u64 = 20_000;
+const TICKS_PER_S: f64 = 50.0;
 
 /// Where the vehicle is, from where it began, which was straight ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Pose {
+pub struct Pose {
     /// To the right, in mm.
-    pub(crate) x: f64,
+    pub x: f64,
     /// Ahead, in mm.
-    pub(crate) y: f64,
+    pub y: f64,
     /// Clockwise, in degrees; it counts turns, so it may be any number.
-    pub(crate) heading_deg: f64,
+    pub heading_deg: f64,
 }
 
 impl Pose {
     /// The pose after the wheels have rolled so far, in mm: an exact arc.
-    pub(crate) fn moved(self, left_mm: f64, right_mm: f64, track_mm: f64) -> Self {
+    #[must_use]
+    pub fn moved(self, left_mm: f64, right_mm: f64, track_mm: f64) -> Self {
         let turned_deg = ((left_mm - right_mm) / track_mm).to_degrees();
         let half_deg = turned_deg / 2.0;
         let half = half_deg.to_radians();
@@ -43,6 +57,19 @@ impl Pose {
     }
 }
 
+/// A step of the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// When it ended.
+    pub until: Instant,
+    /// The pose then.
+    pub pose: Pose,
+    /// The motion during the step; zero where it is unknown.
+    pub motion: Motion,
+    /// How the motion is known.
+    pub link: Link,
+}
+
 /// A wheel and its way.
 #[derive(Clone, Debug, PartialEq)]
 struct Rolling {
@@ -53,7 +80,7 @@ struct Rolling {
 
 /// Adds up the motion of the vehicle.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Odometer {
+pub struct Odometer {
     geometry: Geometry,
     wheels: Vec<Rolling>,
     /// Up to when the motion is counted.
@@ -63,7 +90,9 @@ pub(crate) struct Odometer {
 }
 
 impl Odometer {
-    pub(crate) fn new(vehicle: &Vehicle, geometry: Geometry) -> Self {
+    /// At the beginning, before any reply.
+    #[must_use]
+    pub fn new(vehicle: &Vehicle, geometry: Geometry) -> Self {
         let rolling = |wheel: &Wheel| Rolling {
             is_right: wheel.is_right,
             forward_sign: wheel.forward_sign(),
@@ -78,28 +107,34 @@ impl Odometer {
         }
     }
 
-    pub(crate) const fn pose(&self) -> Pose {
+    /// The present pose.
+    #[must_use]
+    pub const fn pose(&self) -> Pose {
         self.pose
     }
 
     /// The length of the way, back and forth, in mm.
-    pub(crate) const fn driven_mm(&self) -> f64 {
+    #[must_use]
+    pub const fn driven_mm(&self) -> f64 {
         self.driven_mm
     }
 
     /// When the last reply of this wheel was read.
-    pub(crate) fn newest_us(&self, place: usize) -> Option<u64> {
-        self.wheels.get(place)?.track.newest_us()
+    #[must_use]
+    pub fn newest(&self, place: usize) -> Option<Instant> {
+        let newest_us = self.wheels.get(place)?.track.newest_us();
+        newest_us.map(Instant::from_micros)
     }
 
     /// The place of the first wheel whose angle does not follow its speed, if there is one.
-    pub(crate) fn misfit(&self) -> Option<usize> {
+    #[must_use]
+    pub fn misfit(&self) -> Option<usize> {
         let mut wheels = self.wheels.iter();
         wheels.position(|wheel| wheel.track.angle_misfits())
     }
 
     /// Takes a reply of a wheel, by its place in the vehicle.
-    pub(crate) fn report(&mut self, place: usize, report: Report) {
+    pub fn report(&mut self, place: usize, report: Report) {
         if let Some(wheel) = self.wheels.get_mut(place) {
             wheel.track.report(report);
         }
@@ -107,7 +142,7 @@ impl Odometer {
 
     /// Counts the motion as far as all wheels have reported, and calls `each` with every step. A wheel that has not
     /// reported for the time of a gap is not waited for.
-    pub(crate) fn advance(&mut self, mut each: impl FnMut(Pose, Link)) {
+    pub fn advance(&mut self, mut each: impl FnMut(Step)) {
         let newest = |wheel: &Rolling| wheel.track.newest_us();
         let Some(newest_us) = self.wheels.iter().filter_map(newest).max() else {
             return;
@@ -130,14 +165,23 @@ impl Odometer {
                 self.side_mm(false, at_us, to_us),
                 self.side_mm(true, at_us, to_us),
             );
-            let link = if let (Some((left, of_left)), Some((right, of_right))) = sides {
+            let mut step = Step {
+                until: Instant::from_micros(to_us),
+                pose: self.pose,
+                motion: Motion::default(),
+                link: Link::Unknown,
+            };
+            if let (Some((left, of_left)), Some((right, of_right))) = sides {
                 self.pose = self.pose.moved(left, right, self.geometry.track_mm());
                 self.driven_mm += f64::midpoint(left, right).abs();
-                of_left.min(of_right)
-            } else {
-                Link::Unknown
-            };
-            each(self.pose, link);
+                step.motion = Motion {
+                    forward_mm_per_s: f64::midpoint(left, right) * TICKS_PER_S,
+                    turn_deg_per_s: (self.pose.heading_deg - step.pose.heading_deg) * TICKS_PER_S,
+                };
+                step.pose = self.pose;
+                step.link = of_left.min(of_right);
+            }
+            each(step);
             at_us = to_us;
         }
         self.counted_us = Some(at_us);

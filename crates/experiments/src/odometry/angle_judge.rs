@@ -3,7 +3,7 @@
 //! A motor was seen to report one angle for ever (`DDTRobot/motor-driver-examples#1`). The way by such an angle is zero;
 //! by an angle of noise it is any.
 
-use crate::ui::mathematics::{limited, modulo};
+use crate::number::{limited, modulo};
 
 /// Angle and speed are compared after this time, or this way if it is shorter. Between two replies at 200 Hz a slow
 /// wheel moves less than the noise of its angle.
@@ -23,7 +23,7 @@ const JUDGED_TURNS: f64 = 1.0;
 
 /// What a comparison has found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(super) enum Verdict {
     /// Nothing yet.
     Open,
     /// The angle has followed for a turn.
@@ -34,7 +34,7 @@ pub(crate) enum Verdict {
 
 /// The comparison of the angle of one wheel with its speed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct AngleJudge {
+pub(super) struct AngleJudge {
     /// The angle at which the present comparison began, and its resolution, in turns.
     from: Option<(f64, f64)>,
     /// The way by speed and the time since then.
@@ -48,7 +48,7 @@ pub(crate) struct AngleJudge {
 
 impl AngleJudge {
     /// Takes an angle with its resolution, and the way by speed since the last one, in turns.
-    pub(crate) fn angle(&mut self, angle: f64, step: f64, moved: f64, us: u64) -> Verdict {
+    pub(super) fn angle(&mut self, angle: f64, step: f64, moved: f64, us: u64) -> Verdict {
         self.way += moved;
         self.us = self.us.saturating_add(us);
         let Some((from, from_step)) = self.from else {
@@ -75,12 +75,12 @@ impl AngleJudge {
     }
 
     /// Over a gap nothing is compared.
-    pub(crate) const fn gap(&mut self) {
+    pub(super) const fn gap(&mut self) {
         self.from = None;
     }
 
     /// Whether the angle does not follow the speed.
-    pub(crate) const fn misfits(&self) -> bool {
+    pub(super) const fn misfits(&self) -> bool {
         self.misfits
     }
 

@@ -1,7 +1,8 @@
 use std::f64::consts::PI;
 
+use motorlink_protocol::MotorId;
+
 use super::*;
-use crate::model::vehicle::{tests::names, vehicle_of};
 
 const MS: u64 = 1_000;
 const RADIUS: f64 = 50.0;
@@ -9,7 +10,12 @@ const TRACK: f64 = 300.0;
 
 /// A vehicle with two or more wheels: 0, 2, .. on the left and 1, 3, .. on the right.
 fn odometer(wheels: u8) -> Odometer {
-    let vehicle = vehicle_of(&names(wheels)).unwrap();
+    let wheel = |number: u8| Wheel {
+        id: MotorId::new(number).unwrap(),
+        is_right: number.is_multiple_of(2),
+        name: String::new(),
+    };
+    let vehicle = Vehicle::new((1..=wheels).map(wheel).collect()).unwrap();
     Odometer::new(&vehicle, Geometry::new(50, 300).unwrap())
 }
 
@@ -48,7 +54,7 @@ impl Odometer {
     fn advance_from_zero(&mut self) -> Vec<Link> {
         self.counted_us = Some(0);
         let mut links = Vec::new();
-        self.advance(|_, link| links.push(link));
+        self.advance(|step| links.push(step.link));
         links
     }
 }
@@ -224,7 +230,7 @@ fn counting_begins_with_the_first_replies_of_all_wheels() {
                 odometer.report(place, report);
             }
         }
-        odometer.advance(|_, link| {
+        odometer.advance(|Step { link, .. }| {
             assert_eq!(link, Link::Known);
             steps += 1;
         });
