@@ -4,7 +4,7 @@
 use std::{collections::VecDeque, rc::Rc, time::Duration};
 
 use motorlink_messages::{
-    Connection, Update,
+    Adapter, Connection, Update,
     bus::{Activity, Sample},
     protocol::{Instant, MotorId, Setpoint},
     sessions::ActivityChange,
@@ -185,6 +185,8 @@ pub(crate) struct History {
     /// Whether the next reply is the first of a connection.
     cut_pending: bool,
     connected: bool,
+    /// What was connected last.
+    adapter: Option<Adapter>,
     /// Wakes the animation loop, which sleeps while nothing changes.
     wake: Option<Waker>,
 }
@@ -272,11 +274,18 @@ impl History {
     /// Adds an update of the worker.
     pub(crate) fn take(&mut self, update: &Update) {
         let now = self.at(update.now);
-        if !matches!(update.connection, Connection::Connected(_)) {
-            self.end(update.now);
-        } else if !self.connected {
-            self.connected = true;
-            self.cut_pending = true;
+        match update.connection {
+            Connection::Connected(adapter) => {
+                self.cut_pending |= !self.connected;
+                self.connected = true;
+                let before = self.adapter.replace(adapter);
+                if before.is_some_and(|before| before != adapter) {
+                    // Motors of two lines are not drawn as one.
+                    self.tracks.clear();
+                    self.recalled = self.recalled.wrapping_add(1);
+                }
+            }
+            _ => self.end(update.now),
         }
         for sample in &update.samples {
             self.take_sample(sample);

@@ -1,7 +1,6 @@
 //! What the history keeps, and for how long.
 
 use motorlink_messages::{
-    Adapter,
     bus::MotorStatus,
     protocol::{
         Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Mode, Position, Reply, Rpm,
@@ -102,6 +101,18 @@ fn every_reply_of_every_motor_is_kept() {
     assert_eq!(of(ID), [1, 2, 3]);
     assert_eq!(of(OTHER), [-7]);
     assert!(history.track(MotorId::new(3).unwrap()).is_none());
+}
+
+#[test]
+fn replies_of_another_adapter_begin_a_graph_of_their_own() {
+    let mut history = History::default();
+    history.take(&update(20, vec![sample(ID, 10, 1)], vec![]));
+    let real = Update {
+        connection: Connection::Connected(Adapter::Serial(None)),
+        ..update(40, vec![sample(ID, 30, 3)], vec![])
+    };
+    history.take(&real);
+    assert_eq!(between(history.track(ID).unwrap(), 0, 99), [3]);
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! The panel `Session file`, with a session worker that does what the test says.
 
+use std::time::Duration;
+
 use js_sys::{Function, Promise};
 use motorlink_messages::{
     encode,
     protocol::Mode,
     sessions::{
-        FromSessions, NotASession, NotSaved, Progress, RunsKept, RunsSaved, SessionExport,
-        ToSessions,
+        FromSessions, NotASession, NotSaved, Progress, RunsKept, RunsSaved, SaveRange,
+        SessionExport, ToSessions,
     },
 };
 use wasm_bindgen::{JsCast, JsValue};
@@ -87,28 +89,35 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
 #[wasm_bindgen_test]
 async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
     let (sessions, bench) = panel("session-span").await;
-    let mut spans = Vec::new();
+    let mut ranges = Vec::new();
     for (choice, runs, said) in [
-        ("everything", RunsSaved::default(), " records"),
+        ("line", RunsSaved::default(), " records"),
         (
             "ten-minutes",
             runs_saved(2, false),
             "Runs of experiments: 2",
         ),
-        ("everything", runs_saved(1, true), "are missing"),
+        ("line-before", runs_saved(1, true), "are missing"),
     ] {
         let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
         what.set_value(choice);
         what.dispatch_event(&Event::new("change").unwrap()).unwrap();
         bench.click("Save session");
-        let (ToSessions::Save { last_s, .. }, _) = sessions.next().await else {
+        let (ToSessions::Save { range, .. }, _) = sessions.next().await else {
             panic!("it saves")
         };
-        spans.push(last_s);
+        ranges.push(range);
         sessions.post(&saved(1_000, runs));
         until_said(&bench, said).await;
     }
-    assert_eq!(spans, [None, Some(600), None]);
+    assert_eq!(
+        ranges,
+        [
+            SaveRange::Line,
+            SaveRange::Last(Duration::from_secs(600)),
+            SaveRange::LineBefore
+        ]
+    );
 }
 
 #[wasm_bindgen_test]

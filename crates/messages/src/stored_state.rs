@@ -33,6 +33,17 @@ pub fn of_message(mut message: Vec<u8>) -> Option<(Instant, Vec<u8>)> {
     Some((now, message))
 }
 
+/// The connection in a stored state; `None` if it is of another format, or damaged.
+#[must_use]
+#[inline]
+pub fn connection(stored: &[u8]) -> Option<Connection> {
+    let (format, update) = stored.split_first()?;
+    let known = postcard::take_from_bytes::<(Instant, Connection)>(update).ok();
+    known
+        .filter(|_| *format == FORMAT)
+        .map(|((_, connection), _)| connection)
+}
+
 /// Stores a state. A state always encodes.
 #[must_use]
 pub fn store(update: Update) -> Vec<u8> {
@@ -194,6 +205,7 @@ mod tests {
         let (now, stored) = of_message(message).unwrap();
         assert_eq!(now, at(500));
         assert_eq!(stored, store(state(0)));
+        assert_eq!(connection(&stored), Some(state(0).connection));
         let shown = |later| {
             let notices = Vec::new();
             Some(Update {
@@ -212,6 +224,7 @@ mod tests {
         assert_eq!(read(&stored[..40], at(0)), None);
         stored[0] += 1;
         assert_eq!(read(&stored, at(0)), None);
+        assert_eq!(connection(&stored), None);
         assert_eq!(read(&[], at(0)), None);
         assert_eq!(of_message(Vec::new()), None);
     }

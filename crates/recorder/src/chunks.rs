@@ -3,7 +3,9 @@
 //! A single buffer that doubles would copy 24 MB at once, and delay frames. This queue allocates one chunk
 //! at a time and reuses an emptied one: a queue of constant length allocates no more memory.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
+
+use motorlink_protocol::Instant;
 
 /// Entries in a chunk: 24 kB of log.
 pub(crate) const CHUNK: usize = 1024;
@@ -119,6 +121,34 @@ impl<T: Copy> Chunks<T> {
             spare: None,
         }
     }
+}
+
+/// The part of a range in this time. The values are in order of time.
+pub(crate) fn within(
+    span: &Range<Instant>,
+    range: Range<u64>,
+    at: impl Fn(u64) -> Option<Instant>,
+) -> Range<u64> {
+    let range = not_before(span.start, range, &at);
+    range.start..not_before(span.end, range, &at).start
+}
+
+/// The part of a range that begins at this time.
+fn not_before(
+    since: Instant,
+    range: Range<u64>,
+    at: impl Fn(u64) -> Option<Instant>,
+) -> Range<u64> {
+    let (mut start, mut end) = (range.start, range.end);
+    while start < end {
+        let middle = start.midpoint(end);
+        if at(middle).is_some_and(|at| at < since) {
+            start = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    start..range.end
 }
 
 #[cfg(test)]

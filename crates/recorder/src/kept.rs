@@ -4,14 +4,14 @@
 //! replies. So the sequence begins with the replies from before the log, with marks that say what else is known of
 //! their motors. Behind that come the entries of the log.
 
-use std::{ops::Range, time::Duration};
+use std::ops::Range;
 
 use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_messages::sessions::{KeptRecord, Progress};
+use motorlink_messages::sessions::{KeptRecord, Progress, SaveRange};
 use motorlink_protocol::Instant;
 
 use crate::{
-    chunks::Chunks,
+    chunks::{Chunks, within},
     entry::{Entry, EntryContent},
     log::Log,
     marks::Marks,
@@ -33,8 +33,8 @@ pub(crate) struct KeptReader {
 }
 
 impl KeptReader {
-    /// Everything that is kept now; with `last` only so much of its end.
-    pub(crate) fn new(log: &mut Log, recording: &Recording, last: Option<Duration>) -> Self {
+    /// What is kept now, of one line.
+    pub(crate) fn new(log: &mut Log, recording: &Recording, wanted: SaveRange) -> Self {
         let all = log.settle();
         let log = &*log;
         let entry_at = |number| Some(log.entries().get(number)?.at);
@@ -49,19 +49,20 @@ impl KeptReader {
             newest_sample(SampleSet::Recorded),
             newest_sample(SampleSet::Rolling),
         ];
-        let newest = newest.into_iter().flatten().max();
-        let since = last.zip(newest).map_or(Instant::ZERO, |(last, newest)| {
-            let last = u64::try_from(last.as_micros()).unwrap_or(u64::MAX);
-            Instant::from_micros(newest.as_micros().saturating_sub(last))
-        });
+        let newest = newest.into_iter().flatten().max().unwrap_or_default();
+        let mut span = log.states().lines.span(wanted == SaveRange::LineBefore);
+        if let SaveRange::Last(last) = wanted {
+            let since = newest - last;
+            span.start = span.start.max(since);
+        }
         let range = |which| {
-            let range = not_before(since, samples(which), |number| sample_at(which, number));
+            let range = within(&span, samples(which), |number| sample_at(which, number));
             (which, range)
         };
-        let entries = not_before(since, all, entry_at);
+        let entries = within(&span, all, entry_at);
         let mut reader = Self {
             samples: [range(SampleSet::Recorded), range(SampleSet::Rolling)],
-            states: not_before(since, log.states().numbers(), |number| {
+            states: within(&span, log.states().numbers(), |number| {
                 Some(log.states().get(number)?.at)
             }),
             marks: Marks::default(),
@@ -193,24 +194,6 @@ fn next_state(log: &Log, range: &mut Range<u64>, until: Option<Instant>) -> Opti
 fn next<T: Copy>(values: &Chunks<T>, range: &mut Range<u64>) -> Option<T> {
     range.start = range.start.max(values.first()).min(range.end);
     values.get(range.start).filter(|_| !range.is_empty())
-}
-
-/// The part of a range that begins at this time. The values are in order of time.
-fn not_before(
-    since: Instant,
-    range: Range<u64>,
-    at: impl Fn(u64) -> Option<Instant>,
-) -> Range<u64> {
-    let (mut start, mut end) = (range.start, range.end);
-    while start < end {
-        let middle = start.midpoint(end);
-        if at(middle).is_some_and(|at| at < since) {
-            start = middle + 1;
-        } else {
-            end = middle;
-        }
-    }
-    start..range.end
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use std::time::Duration;
 
 use motorlink_messages::{
+    Adapter, Connection, ToPage, Update, encode,
     recorder::ToRecorder,
     sessions::{Kept, NotSaved},
 };
@@ -44,13 +45,13 @@ fn recorder(log: u64) -> Recorder {
 
 /// Everything that is kept, in parts of this number.
 fn kept(recorder: &mut Recorder, most: u64) -> Vec<KeptRecord> {
-    kept_of(recorder, None, most)
+    kept_of(recorder, SaveRange::Line, most)
 }
 
-/// The same, of so much of its end.
-fn kept_of(recorder: &mut Recorder, last: Option<Duration>, most: u64) -> Vec<KeptRecord> {
+/// The same, of this range.
+fn kept_of(recorder: &mut Recorder, range: SaveRange, most: u64) -> Vec<KeptRecord> {
     let mut all = Vec::new();
-    let mut next = recorder.first_kept(last, most);
+    let mut next = recorder.first_kept(range, most);
     loop {
         let Kept::Part {
             records,
@@ -112,12 +113,15 @@ fn the_last_minutes_are_the_end_of_everything() {
             .len()
             .saturating_sub(1 + usize::try_from(millis).unwrap());
         assert_eq!(
-            kept_of(&mut recorder, Some(last), 3),
+            kept_of(&mut recorder, SaveRange::Last(last), 3),
             all[end..],
             "{millis}"
         );
     }
-    assert_eq!(kept_of(&mut recorder, Some(Duration::MAX), 3), all);
+    assert_eq!(
+        kept_of(&mut recorder, SaveRange::Last(Duration::MAX), 3),
+        all
+    );
 }
 
 #[test]
@@ -207,7 +211,7 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
     for millis in 0..3 {
         recorder.add_event(&sent(millis, QUERY));
     }
-    let Kept::Part { records, .. } = recorder.first_kept(None, 1) else {
+    let Kept::Part { records, .. } = recorder.first_kept(SaveRange::Line, 1) else {
         panic!("a part")
     };
     assert_eq!(records.last(), Some(&KeptRecord::Line(sent(0, QUERY))));
@@ -230,7 +234,8 @@ fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_from_the_recording() {
         let mut recorder = recorder(4);
         recorder.handle(ToRecorder::Record(true));
         (1..=6).for_each(|millis| recorder.add_event(&received(millis)));
-        let Kept::Part { mut records, .. } = recorder.first_kept(None, read_before) else {
+        let Kept::Part { mut records, .. } = recorder.first_kept(SaveRange::Line, read_before)
+        else {
             panic!("a part")
         };
         (7..=8).for_each(|millis| recorder.add_event(&received(millis)));
@@ -272,7 +277,7 @@ fn a_log_that_was_cleared_or_restored_meanwhile_is_said() {
         recorder.add_event(&sent(millis, QUERY));
     }
     for message in [ToRecorder::Clear, ToRecorder::EndClear { undo: true }] {
-        recorder.first_kept(None, 1);
+        recorder.first_kept(SaveRange::Line, 1);
         recorder.handle(message);
         assert_eq!(recorder.next_kept(1), Kept::Changed);
     }
@@ -290,4 +295,69 @@ fn why_nothing_can_be_saved_is_known_before_a_file_is_chosen() {
     assert_eq!(recorder.not_kept(), None);
     recorder.restore(&Summary::default(), &[]);
     assert_eq!(recorder.not_kept(), Some(NotSaved::Restoring));
+}
+
+fn shows(recorder: &mut Recorder, millis: u64, connection: Connection) {
+    let update = Update::without_motors(at(millis), connection);
+    recorder.add_state(encode(&ToPage::Update(update)).unwrap());
+}
+
+/// When the entries, samples and states of this range were.
+fn times(recorder: &mut Recorder, range: SaveRange) -> Vec<Instant> {
+    let records = kept_of(recorder, range, 3);
+    let times = records.into_iter().map(|record| match record {
+        KeptRecord::Line(event) => event.at,
+        KeptRecord::Message { at, .. } | KeptRecord::State { at, .. } => at,
+    });
+    times.collect()
+}
+
+#[test]
+fn what_two_lines_have_carried_is_never_in_one_range() {
+    let mut recorder = recorder(1_000);
+    let real = Connection::Connected(Adapter::Serial(None));
+    recorder.add_event(&sent(5, QUERY));
+    shows(&mut recorder, 10, Connection::Connected(Adapter::VIRTUAL));
+    recorder.add_event(&received(20));
+    shows(&mut recorder, 30, Connection::Disconnected);
+    assert_eq!(
+        times(&mut recorder, SaveRange::Line),
+        [5, 10, 20, 30].map(at)
+    );
+    assert!(times(&mut recorder, SaveRange::LineBefore).is_empty());
+
+    // The frames that tell which adapter has the motors.
+    shows(&mut recorder, 40, Connection::Connecting);
+    recorder.add_event(&sent(45, QUERY));
+    shows(&mut recorder, 50, real);
+    recorder.add_event(&received(60));
+    // It is plugged out and in again, then closed and opened.
+    shows(
+        &mut recorder,
+        70,
+        Connection::Reconnecting(Adapter::Serial(None)),
+    );
+    shows(&mut recorder, 80, real);
+    shows(&mut recorder, 90, Connection::Disconnected);
+    shows(&mut recorder, 100, real);
+    recorder.add_event(&received(110));
+    let line = [30, 40, 45, 50, 60, 70, 80, 90, 100, 110].map(at);
+    assert_eq!(times(&mut recorder, SaveRange::Line), line);
+    assert_eq!(
+        times(&mut recorder, SaveRange::Last(Duration::from_secs(9))),
+        line
+    );
+    assert_eq!(
+        times(&mut recorder, SaveRange::LineBefore),
+        [5, 10, 20].map(at)
+    );
+
+    // The recording stays, and still has both.
+    recorder.handle(ToRecorder::Clear);
+    shows(&mut recorder, 120, real);
+    assert_eq!(times(&mut recorder, SaveRange::LineBefore), [20].map(at));
+    assert_eq!(
+        times(&mut recorder, SaveRange::Line),
+        [60, 110, 120].map(at)
+    );
 }

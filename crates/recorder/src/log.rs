@@ -162,6 +162,7 @@ impl Log {
         let mut new = Self::with_capacity(self.capacity);
         new.clock = self.clock;
         new.model = self.model;
+        new.states.lines = self.states.lines.clone();
         new.entries = self.entries.continued();
         std::mem::swap(&mut new.view, &mut self.view);
         new.view.begin(&new.entries);

@@ -6,7 +6,7 @@ use motorlink_bus::LineEvent;
 use motorlink_i18n::Language;
 use motorlink_messages::{
     recorder::{Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window},
-    sessions::{Kept, NotSaved},
+    sessions::{Kept, NotSaved, SaveRange},
     stored_state,
 };
 use motorlink_protocol::Instant;
@@ -333,10 +333,11 @@ impl Recorder {
             self.postponed_exports.push(what);
             return;
         }
+        let line = self.log.states().lines.span(false);
         let file = match what {
             Export::Log => CsvFile::of_log(&mut self.log),
-            Export::Telemetry => CsvFile::of_telemetry(&self.recording),
-            Export::Plot => CsvFile::of_plot(&self.recording),
+            Export::Telemetry => CsvFile::of_telemetry(&self.recording, &line),
+            Export::Plot => CsvFile::of_plot(&self.recording, &line),
         };
         if file.rows_in_all() == 0 {
             self.no_file(what, false);
@@ -366,11 +367,10 @@ impl Recorder {
         is_empty.then_some(NotSaved::Nothing)
     }
 
-    /// The first part of what is kept now, of at most this number of entries and samples; with `last` only of so much
-    /// of its end.
-    pub fn first_kept(&mut self, last: Option<Duration>, most: u64) -> Kept {
+    /// The first part of what is kept now of a line, of at most this number of entries and samples.
+    pub fn first_kept(&mut self, range: SaveRange, most: u64) -> Kept {
         if self.restoring.is_none() {
-            self.kept = Some(KeptReader::new(&mut self.log, &self.recording, last));
+            self.kept = Some(KeptReader::new(&mut self.log, &self.recording, range));
         }
         self.next_kept(most)
     }

@@ -1,6 +1,6 @@
 //! Samples of telemetry: always those of the last ten minutes, and those that the user records.
 
-use std::time::Duration;
+use std::{ops::Range, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind, LineSamples, reported_current};
 use motorlink_messages::recorder::RecordingStatus;
@@ -10,7 +10,7 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    chunks::Chunks,
+    chunks::{Chunks, within},
     commanded::{Commanded, Commands},
 };
 
@@ -266,15 +266,18 @@ impl Recording {
         }
     }
 
-    /// The samples to export: the recorded ones, or the last ten minutes if none were recorded.
-    pub(crate) const fn to_export(&self) -> (SampleSet, std::ops::Range<u64>) {
-        if self.recorded.len() > 0 {
-            (
-                SampleSet::Recorded,
-                self.recorded.first()..self.recorded.end(),
-            )
+    /// The samples of this time to export: the recorded ones, or the last ten minutes if none were recorded.
+    pub(crate) fn to_export(&self, time: &Range<Instant>) -> (SampleSet, Range<u64>) {
+        let part = |which| {
+            let samples = self.samples(which);
+            let at = |number| Some(samples.get(number)?.at);
+            (which, within(time, samples.first()..samples.end(), at))
+        };
+        let recorded = part(SampleSet::Recorded);
+        if recorded.1.is_empty() {
+            part(SampleSet::Rolling)
         } else {
-            (SampleSet::Rolling, self.rolling.first()..self.rolling.end())
+            recorded
         }
     }
 

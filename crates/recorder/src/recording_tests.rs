@@ -2,6 +2,8 @@ use motorlink_protocol::MotorId;
 
 use super::*;
 
+const ALWAYS: Range<Instant> = Instant::ZERO..Instant::from_micros(u64::MAX);
+
 fn reply_at(at: Instant) -> LineEvent {
     LineEvent {
         at,
@@ -76,7 +78,7 @@ fn a_recording_goes_on_until_it_was_exported() {
     );
     assert!(status.recording && !status.exported);
 
-    let (which, range) = recording.to_export();
+    let (which, range) = recording.to_export(&ALWAYS);
     assert_eq!(which, SampleSet::Recorded);
     recording.exported(range.end);
     assert!(recording.status().exported);
@@ -90,7 +92,7 @@ fn a_recording_goes_on_until_it_was_exported() {
         "it was not exported as it is"
     );
 
-    let (_, range) = recording.to_export();
+    let (_, range) = recording.to_export(&ALWAYS);
     recording.exported(range.end);
     recording.record(false);
     assert_eq!(recording.status().recorded, 6, "it is kept until the next");
@@ -111,7 +113,7 @@ fn a_full_recording_ends_by_itself_and_keeps_what_it_has() {
     recording.record(true);
     receive(&mut recording, 10..12);
     assert_eq!(recording.status().recorded, 3, "it is exported first");
-    let (_, range) = recording.to_export();
+    let (_, range) = recording.to_export(&ALWAYS);
     recording.exported(range.end);
     recording.record(true);
     receive(&mut recording, 12..14);
@@ -124,5 +126,5 @@ fn a_full_recording_ends_by_itself_and_keeps_what_it_has() {
 fn without_a_recording_the_last_ten_minutes_are_exported() {
     let mut recording = Recording::default();
     receive(&mut recording, 0..5);
-    assert_eq!(recording.to_export(), (SampleSet::Rolling, 0..5));
+    assert_eq!(recording.to_export(&ALWAYS), (SampleSet::Rolling, 0..5));
 }

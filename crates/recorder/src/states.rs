@@ -1,7 +1,8 @@
 //! What the page showed: its states, in order of time.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
+use motorlink_messages::{Adapter, Connection, stored_state};
 use motorlink_protocol::Instant;
 
 /// A quarter of an hour has 18,000 states of 400 bytes with one motor, and of 1,200 with four.
@@ -15,9 +16,60 @@ pub(crate) struct State {
     pub(crate) stored: Vec<u8>,
 }
 
+/// Lines whose beginnings are kept.
+const LINES_MAX: usize = 32;
+
+/// The lines, in order of time: a line is all that one adapter, or one set of virtual motors, has carried until another
+/// was connected. Two adapters of one make are alike.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lines {
+    began: Vec<(Instant, Adapter)>,
+    /// When the last one was closed. What follows belongs to the next.
+    closed: Option<Instant>,
+}
+
+impl Lines {
+    fn note(&mut self, at: Instant, connection: Connection) {
+        match connection {
+            Connection::Connected(adapter) => {
+                let began = self.closed.take().unwrap_or(at);
+                self.begin(began, adapter);
+            }
+            Connection::Reconnecting(_) => {}
+            Connection::Disconnected | Connection::Connecting | Connection::Failed(_) => {
+                self.closed.get_or_insert(at);
+            }
+        }
+    }
+
+    fn begin(&mut self, at: Instant, adapter: Adapter) {
+        let last = self.began.last();
+        if last.is_none_or(|(began, last)| *last != adapter && *began < at) {
+            self.began.push((at, adapter));
+        }
+        if self.began.len() > LINES_MAX {
+            self.began.remove(0);
+        }
+    }
+
+    /// The time of the last line, or of the one before it.
+    pub(crate) fn span(&self, is_before: bool) -> Range<Instant> {
+        // What came before the first one was open belongs to it.
+        let began = self.began.iter().map(|(at, _)| *at).skip(1);
+        let mut ends = began.rev().chain([Instant::ZERO]);
+        let last = ends.next().unwrap_or_default();
+        if is_before {
+            ends.next().unwrap_or_default()..last
+        } else {
+            last..Instant::from_micros(u64::MAX)
+        }
+    }
+}
+
 /// The newest states. Each has a number, which it keeps.
 #[derive(Debug, Default)]
 pub(crate) struct States {
+    pub(crate) lines: Lines,
     kept: VecDeque<State>,
     bytes: usize,
     first: u64,
@@ -25,6 +77,9 @@ pub(crate) struct States {
 
 impl States {
     pub(crate) fn push(&mut self, state: State) {
+        if let Some(connection) = stored_state::connection(&state.stored) {
+            self.lines.note(state.at, connection);
+        }
         self.bytes += state.stored.len();
         self.kept.push_back(state);
         while self.bytes > BYTES_MAX {
@@ -48,6 +103,9 @@ impl States {
 
     /// Adds those of another, which are later.
     pub(crate) fn append(&mut self, other: Self, mut at: impl FnMut(Instant) -> Instant) {
+        for (began, adapter) in other.lines.began {
+            self.lines.begin(at(began), adapter);
+        }
         for state in other.kept {
             let at = at(state.at);
             self.push(State { at, ..state });
@@ -55,7 +113,7 @@ impl States {
     }
 
     /// The numbers of all.
-    pub(crate) fn numbers(&self) -> std::ops::Range<u64> {
+    pub(crate) fn numbers(&self) -> Range<u64> {
         self.first..self.first + self.kept.len() as u64
     }
 

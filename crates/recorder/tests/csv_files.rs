@@ -9,7 +9,7 @@ use motorlink_protocol::{Faults, Frame, Instant, Layout, Mode, family::Model};
 use motorlink_recorder::{CsvFile, Log, REPLY, Recording, spelled_out, unmarked};
 use proptest::prelude::*;
 
-use line::{at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
+use line::{ALWAYS, at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
 
 /// A complete file, written in slices of this many lines.
 fn whole(mut file: CsvFile, log: &Log, recording: &Recording, slice: u64) -> (String, u64) {
@@ -33,7 +33,7 @@ fn telemetry_file(traffic: &[LineEvent]) -> String {
     for passed in traffic {
         recording.add_event(passed);
     }
-    let file = CsvFile::of_telemetry(&recording);
+    let file = CsvFile::of_telemetry(&recording, &ALWAYS);
     whole(file, &log(10), &recording, 3).0
 }
 
@@ -200,7 +200,7 @@ fn plot_file(traffic: &[LineEvent], slice: u64) -> String {
     for passed in traffic {
         recording.add_event(passed);
     }
-    let file = CsvFile::of_plot(&recording);
+    let file = CsvFile::of_plot(&recording, &ALWAYS);
     whole(file, &log(10), &recording, slice).0
 }
 
@@ -270,7 +270,7 @@ fn a_recording_is_written_instead_of_the_last_ten_minutes() {
     recording.add_event(&at(10, reply(2, 0)));
     recording.record(false);
     recording.add_event(&at(20, reply(3, 0)));
-    let file = CsvFile::of_telemetry(&recording);
+    let file = CsvFile::of_telemetry(&recording, &ALWAYS);
     let records = read(&whole(file, &log(10), &recording, 10).0);
     assert_eq!(records.len(), 1);
     assert_eq!(records[0][1], "2");

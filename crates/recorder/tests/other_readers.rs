@@ -15,7 +15,7 @@ use motorlink_bus::LineEvent;
 use motorlink_protocol::{Frame, Instant, Layout};
 use motorlink_recorder::{CsvFile, Log, Recording};
 
-use line::{at, drive, heard, junk, log, query, silence};
+use line::{ALWAYS, at, drive, heard, junk, log, query, silence};
 
 const NEEDS: &str =
     "needs other programs: cargo xtask test --only csv-readers, or csv-in-libreoffice";
@@ -43,8 +43,12 @@ impl Files {
         for (name, log, file) in [
             ("log.csv", &english, english_file),
             ("other.csv", &other, other_file),
-            ("telemetry.csv", &english, CsvFile::of_telemetry(&recording)),
-            ("plot.csv", &english, CsvFile::of_plot(&recording)),
+            (
+                "telemetry.csv",
+                &english,
+                CsvFile::of_telemetry(&recording, &ALWAYS),
+            ),
+            ("plot.csv", &english, CsvFile::of_plot(&recording, &ALWAYS)),
         ] {
             fs::write(dir.join(name), whole(file, log, &recording)).unwrap();
         }

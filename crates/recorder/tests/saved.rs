@@ -12,7 +12,7 @@ use std::time::Duration;
 use motorlink_bus::LineEventKind;
 use motorlink_messages::{
     recorder::{Export, FromRecorder, RecordingStatus, ToRecorder},
-    sessions::{Kept, KeptRecord},
+    sessions::{Kept, KeptRecord, SaveRange},
     stored_state,
 };
 use motorlink_protocol::{Frame, Instant, Mode, family::Model};
@@ -391,7 +391,7 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
 
 /// The states that are kept: when, and the time of what they show.
 fn states(recorder: &mut Recorder) -> Vec<(u64, u64)> {
-    let Kept::Part { records, .. } = recorder.first_kept(None, 1_000) else {
+    let Kept::Part { records, .. } = recorder.first_kept(SaveRange::Line, 1_000) else {
         return Vec::new();
     };
     let states = records.into_iter().filter_map(|record| match record {

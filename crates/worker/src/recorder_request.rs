@@ -2,30 +2,44 @@
 
 use std::time::Duration;
 
+use motorlink_messages::sessions::SaveRange;
 use wasm_bindgen::JsValue;
 
 /// A request for a part of what the recorder keeps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RecorderRequest {
-    /// The first part: of everything, or of so much of its end.
-    First(Option<Duration>),
+    /// The first part of this range.
+    First(SaveRange),
     /// The next part.
     Next,
 }
 
+/// The numbers of ranges; others are seconds.
+const LINE: f64 = -1.0;
+const LINE_BEFORE: f64 = -2.0;
+
 impl RecorderRequest {
-    /// The message: seconds, or `false` for the next part.
+    /// The message: the number of a range, or `false` for the next part.
     pub(crate) fn message(self) -> JsValue {
         match self {
-            Self::First(last) => last.map_or(f64::INFINITY, |last| last.as_secs_f64()).into(),
+            Self::First(SaveRange::Line) => LINE.into(),
+            Self::First(SaveRange::LineBefore) => LINE_BEFORE.into(),
+            Self::First(SaveRange::Last(last)) => last.as_secs_f64().into(),
             Self::Next => JsValue::FALSE,
         }
     }
 
     /// The request in a message; `None` if it is another message.
     pub(crate) fn of(message: &JsValue) -> Option<Self> {
-        if let Some(seconds) = message.as_f64() {
-            return Some(Self::First(Duration::try_from_secs_f64(seconds).ok()));
+        if let Some(number) = message.as_f64() {
+            // A range without a time has a number that is none.
+            let last = Duration::try_from_secs_f64(number).ok();
+            let other = if number == LINE_BEFORE {
+                SaveRange::LineBefore
+            } else {
+                SaveRange::Line
+            };
+            return Some(Self::First(last.map_or(other, SaveRange::Last)));
         }
         (message.as_bool() == Some(false)).then_some(Self::Next)
     }

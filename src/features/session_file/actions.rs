@@ -7,7 +7,9 @@ use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     experiments::vehicle::Geometry,
-    sessions::{FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions},
+    sessions::{
+        FromSessions, NotSaved, Progress, SaveRange, SessionExport, SessionInfo, ToSessions,
+    },
 };
 use wasm_bindgen::JsValue;
 use web_sys::{Blob, MessageChannel};
@@ -20,7 +22,6 @@ use crate::{
         readiness::not_kept,
         replay_bar::show_bar,
         save_picker::{Picked, name_of, pick, remove_if_empty},
-        save_range::SaveRange,
         texts,
     },
     link::sessions_link::SessionsLink,
@@ -262,8 +263,10 @@ impl SessionFiles {
         let message = ToSessions::Save {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             setup: self.page.setup().to_json(),
-            rover: vehicle.map(|vehicle| vehicle.to_json(self.geometry.get_untracked())),
-            last_s: self.save_range.get_untracked().last_s(),
+            rover: vehicle.map_or_else(String::new, |vehicle| {
+                vehicle.to_json(self.geometry.get_untracked())
+            }),
+            range: self.save_range.get_untracked(),
         };
         self.post(&message, handle, &[channel.port2().into()]);
         connected.is_some()

@@ -10,7 +10,7 @@ use crate::{
         actions::{Said, SessionFiles},
         content::content,
         incoming::Incoming,
-        save_range::SaveRange,
+        save_range::RANGES,
         texts,
     },
     model::{recorder_texts::no_recorder, snapshot::Session},
@@ -115,13 +115,13 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
 
 /// How much is saved.
 fn range_choice(files: SessionFiles) -> impl IntoView {
-    let options = SaveRange::ALL.map(|range| {
+    let options = RANGES.map(|(range, key)| {
         let selected = files.save_range.get_untracked() == range;
-        view! { <option value=range.key() selected=selected>{texts::of_save_range(range)}</option> }
+        view! { <option value=key selected=selected>{texts::of_save_range(range)}</option> }
     });
     let choose = move |event| {
-        let key = event_target_value(&event);
-        if let Some(range) = SaveRange::ALL.into_iter().find(|range| range.key() == key) {
+        let chosen = event_target_value(&event);
+        if let Some((range, _)) = RANGES.into_iter().find(|(_, key)| *key == chosen) {
             files.save_range.set(range);
         }
     };

@@ -2,11 +2,11 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::{
-    NotASession, NotSaved, Problem, RunsKept, RunsSaved, SessionExport,
+    NotASession, NotSaved, Problem, RunsKept, RunsSaved, SaveRange, SessionExport,
 };
 
 use crate::{
-    features::session_file::{bookmarks::BOOKMARKS_MAX, save_range::SaveRange},
+    features::session_file::bookmarks::BOOKMARKS_MAX,
     model::recorder_texts::no_recorder,
     ui::format::{grouped, in_language},
 };
@@ -24,8 +24,9 @@ pub(super) fn of_saved(name: &str, bytes: u64, records: u64) -> String {
 /// How much is saved.
 pub(super) fn of_save_range(range: SaveRange) -> &'static str {
     match range {
-        SaveRange::Everything => tr!("Everything kept"),
-        SaveRange::TenMinutes => tr!("Last 10 minutes"),
+        SaveRange::Line => tr!("All of this line"),
+        SaveRange::Last(_) => tr!("Last 10 minutes"),
+        SaveRange::LineBefore => tr!("The line before"),
     }
 }
 

@@ -6,6 +6,8 @@
 mod problems;
 mod replay;
 
+use std::time::Duration;
+
 use motorlink_bus::LineEvent;
 use motorlink_protocol::{Faults, Instant, MotorId};
 use serde::{Deserialize, Serialize};
@@ -23,10 +25,10 @@ pub enum ToSessions {
         version: String,
         /// The setup as JSON.
         setup: String,
-        /// The rover of the setup with its measures, as `Vehicle::to_json` of `experiments` writes it, if there is one.
-        rover: Option<String>,
-        /// Only so many seconds, up to the newest record; `None` for everything.
-        last_s: Option<u32>,
+        /// The rover of the setup with its measures, as `Vehicle::to_json` of `experiments` writes it; empty if there is none.
+        rover: String,
+        /// How much of what the recorder keeps.
+        range: SaveRange,
     },
     /// Cancel the saving.
     CancelSave,
@@ -46,6 +48,19 @@ pub enum ToSessions {
     CancelReading,
     /// Replay the open session.
     Replay(ToReplay),
+}
+
+/// How much of what the recorder keeps is saved. A file has one line only: what one adapter, or one set of virtual motors,
+/// has carried until another was connected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SaveRange {
+    /// All of the last line.
+    #[default]
+    Line,
+    /// Of it only so much, up to the newest record.
+    Last(Duration),
+    /// All of the line before it.
+    LineBefore,
 }
 
 /// Another file of an open session.

@@ -20,6 +20,7 @@ use std::ops::Range;
 
 use motorlink_bus::LineSamples;
 use motorlink_messages::recorder::Export;
+use motorlink_protocol::Instant;
 
 use self::{
     cells::Cells, log_lines::LogLines, plot_lines::PlotLines, telemetry_lines::TelemetryLines,
@@ -74,16 +75,16 @@ impl CsvFile {
 
     /// A file of the recorded samples, or of the last ten minutes if none were recorded.
     #[must_use]
-    pub fn of_telemetry(recording: &Recording) -> Self {
-        let (which, range) = recording.to_export();
+    pub fn of_telemetry(recording: &Recording, time: &Range<Instant>) -> Self {
+        let (which, range) = recording.to_export(time);
         let lines = Lines::Telemetry(which, TelemetryLines::default());
         Self::new(lines, range)
     }
 
     /// The same samples for plotting.
     #[must_use]
-    pub fn of_plot(recording: &Recording) -> Self {
-        let (which, range) = recording.to_export();
+    pub fn of_plot(recording: &Recording, time: &Range<Instant>) -> Self {
+        let (which, range) = recording.to_export(time);
         let head = Head::Collecting(range.start);
         Self::new(Lines::Plot(which, PlotLines::default(), head), range)
     }

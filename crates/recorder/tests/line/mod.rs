@@ -1,6 +1,8 @@
 //! Line events for the tests of the recorder.
 #![allow(dead_code, reason = "not every story needs all of it")]
 
+use std::ops::Range;
+
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
 use motorlink_protocol::{
@@ -17,6 +19,9 @@ pub const ALL: Window = Window {
     first: None,
     rows: Window::ROWS_MAX,
 };
+
+/// The time of a line that is the only one.
+pub const ALWAYS: Range<Instant> = Instant::ZERO..Instant::from_micros(u64::MAX);
 
 pub fn id(address: u8) -> MotorId {
     MotorId::new(address).unwrap()

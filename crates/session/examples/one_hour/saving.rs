@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_messages::sessions::{Kept, KeptRecord};
+use motorlink_messages::sessions::{Kept, KeptRecord, SaveRange};
 use motorlink_recorder::{ENTRIES_MAX, Recorder, WallClock};
 use motorlink_session::Writer;
 
@@ -28,7 +28,7 @@ pub fn measure() {
     loop {
         let began = Instant::now();
         let kept = if writer.is_none() {
-            recorder.first_kept(None, PART)
+            recorder.first_kept(SaveRange::Line, PART)
         } else {
             recorder.next_kept(PART)
         };

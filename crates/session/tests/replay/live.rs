@@ -6,7 +6,7 @@ use motorlink_bus::{Bus, Command, Consent, Event, Output, Refusal, Sample};
 use motorlink_messages::{
     Adapter, Connection, ToPage, Update, encode,
     recorder::ToRecorder,
-    sessions::{Kept, KeptRecord},
+    sessions::{Kept, KeptRecord, SaveRange},
 };
 use motorlink_protocol::{
     CurrentTarget, Instant, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget, family::Model,
@@ -203,7 +203,7 @@ impl Live {
     pub fn end_as(mut self, about: &[(&str, &str)]) -> (Vec<u8>, Vec<Update>) {
         self.run(ms(50));
         self.post_update(Connection::Connected(Adapter::Serial(None)));
-        let mut part = self.recorder.first_kept(None, 100);
+        let mut part = self.recorder.first_kept(SaveRange::Line, 100);
         let mut writer = Writer::new(ZERO_US, about);
         loop {
             let Kept::Part {

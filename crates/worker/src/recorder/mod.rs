@@ -111,7 +111,7 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
         if let Some(request) = RecorderRequest::of(&event.data()) {
             let recorder = &mut shared.borrow_mut().recorder;
             let kept = match request {
-                RecorderRequest::First(last) => recorder.first_kept(last, KEPT_STEP),
+                RecorderRequest::First(range) => recorder.first_kept(range, KEPT_STEP),
                 RecorderRequest::Next => recorder.next_kept(KEPT_STEP),
             };
             return answer(&answers, encode(&kept).map_err(|error| error.to_string()));

@@ -27,7 +27,7 @@ mod source;
 mod state;
 mod target;
 
-use std::{cell::RefCell, rc::Rc, time::Duration};
+use std::{cell::RefCell, rc::Rc};
 
 use js_sys::{Array, Uint8Array};
 use motorlink_messages::{
@@ -78,7 +78,7 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             version,
             setup,
             rover,
-            last_s,
+            range,
         } => {
             // The channel is the last one.
             let Ok(recorder) = parts.pop().dyn_into::<MessagePort>() else {
@@ -90,12 +90,11 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             }
             let shared = Rc::clone(shared);
             spawn_local(async move {
-                let last = last_s.map(|seconds| Duration::from_secs(seconds.into()));
                 let order = saving::SaveOrder {
                     version,
                     setup,
                     rover,
-                    last,
+                    range,
                 };
                 saving::save(&shared, recorder, handle, &order).await;
             });

@@ -3,12 +3,10 @@
 //! The worker requests the next part when it has written the one before, so at most one part waits. Between two parts
 //! it receives messages, such as the one that cancels.
 
-use std::time::Duration;
-
 use js_sys::{Promise, Uint8Array};
 use motorlink_messages::{
     decode,
-    sessions::{FromSessions, Kept, KeptRecord, NotSaved, RunsSaved},
+    sessions::{FromSessions, Kept, KeptRecord, NotSaved, RunsSaved, SaveRange},
 };
 use motorlink_session::{Event, RunEvents, Writer};
 use wasm_bindgen::JsCast;
@@ -37,10 +35,10 @@ pub(super) struct SaveOrder {
     pub(super) version: String,
     /// The setup as JSON.
     pub(super) setup: String,
-    /// The rover as JSON, if the setup has one.
-    pub(super) rover: Option<String>,
-    /// Only so much, up to the newest record.
-    pub(super) last: Option<Duration>,
+    /// The rover as JSON; empty if the setup has none.
+    pub(super) rover: String,
+    /// How much of what is kept.
+    pub(super) range: SaveRange,
 }
 
 /// Saves what the recorder keeps, and posts the outcome.
@@ -97,7 +95,7 @@ async fn write(
     handle: Option<FileSystemFileHandle>,
     order: &SaveOrder,
 ) -> Result<(), NotSaved> {
-    let mut part = kept.request(RecorderRequest::First(order.last)).await?;
+    let mut part = kept.request(RecorderRequest::First(order.range)).await?;
     if let Kept::Part {
         records,
         is_last: true,
@@ -145,9 +143,12 @@ async fn write_to(
             Kept::Restoring => return Err(NotSaved::Restoring),
             Kept::Changed => return Err(NotSaved::Changed),
         };
-        let mut about = vec![("page", order.version.as_str())];
-        about.extend(order.rover.as_ref().map(|rover| ("rover", rover.as_str())));
-        let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &about));
+        let about = [
+            ("page", order.version.as_str()),
+            ("rover", order.rover.as_str()),
+        ];
+        let known = about.split_at(2 - usize::from(order.rover.is_empty())).0;
+        let writer = writer.get_or_insert_with(|| Writer::new(zero_us, known));
         for record in slice {
             records += u64::from(!matches!(record, KeptRecord::State { .. }));
             match record {
