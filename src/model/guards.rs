@@ -78,7 +78,7 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
     blocked_by_motor(session, id, mode, Some(mode))
 }
 
-/// The same, of a motor that may be switching to the loop `next`.
+/// The same, of a motor that may be switching to the loop `next`, or can be switched to it.
 fn blocked_by_motor(
     session: &Session,
     id: MotorId,
@@ -101,14 +101,16 @@ fn blocked_by_motor(
     if reported == mode || is_next {
         return None;
     }
-    // A disabled button is no advice.
+    // Start switches the loop; the start of a group does not.
     switch_blocked_by(session, id, mode).or_else(|| {
-        Some(tr!(
-            "Motor {id} is in the {reported}. Press Switch to {mode} first.",
-            id,
-            reported = terms::mode(reported),
-            mode = terms::mode(mode)
-        ))
+        next.is_none().then(|| {
+            tr!(
+                "Motor {id} is in the {reported}. Press Switch to {mode} first.",
+                id,
+                reported = terms::mode(reported),
+                mode = terms::mode(mode)
+            )
+        })
     })
 }
 

@@ -174,7 +174,21 @@ impl Drive {
         true
     }
 
+    /// Switches the loop first where it is another one: the bus keeps the setpoint until the motor reports the new loop,
+    /// and drops it if anything stops the motor meanwhile.
     pub(crate) fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {
+        let mode = setpoint.mode();
+        let is_in_other_loop = self.page.latest.with_value(|session| {
+            let next = match session.motor(id).map(|motor| motor.activity) {
+                Some(Activity::Switching { to }) => Some(to),
+                _ => session.mode(id).map(|reading| reading.value),
+            };
+            next.is_some_and(|next| next != mode)
+        });
+        if is_in_other_loop {
+            self.page.loops.asked.set(Some(mode));
+            self.page.command(Command::SwitchMode { id, mode });
+        }
         self.page.command(Command::Drive {
             id,
             setpoint,
@@ -185,7 +199,7 @@ impl Drive {
                 board.withdraw(topic);
             }
         });
-        self.page.follow(setpoint.mode());
+        self.page.follow(mode);
     }
 
     /// Adjusts a motor that is driven in this loop to the entered setpoint; starts nothing.

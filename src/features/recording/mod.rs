@@ -72,6 +72,9 @@ pub(crate) fn Recording() -> impl IntoView {
                 type="button"
                 class="button small record"
                 class:records=dynamic(move || records.get())
+                aria-label=dynamic(move || {
+                    if records.get() { tr!("Stop recording") } else { tr!("Record telemetry") }
+                })
                 title=dynamic(hint)
                 disabled=dynamic(move || record_blocked_by().is_some())
                 on:click=handler(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))

@@ -139,15 +139,15 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
 }
 
 #[test]
-fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
+fn go_switches_to_the_position_loop_and_stop_holds_the_angle() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Position")?;
-    page.click("button", "Switch to position loop")?;
+    // It switches the loop first.
+    page.click("button", "90°")?;
     page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("position")
     })?;
-    page.click("button", "90°")?;
     let at_90 = |text: &str| number(text).is_some_and(|angle| (angle - 90.0).abs() < 3.0);
     page.wait_for_text("output", "Position", at_90)?;
     page.click("button", "Stop")?;
@@ -258,7 +258,7 @@ fn the_panel_says_what_has_to_be_done_before_another_loop() -> Result<()> {
     page.press("s")?;
     wait_for_speed(page, 0..=0)?;
     page.click("tab", "Position")?;
-    wait_for_reason("Press Switch to position loop")?;
+    wait_until_enabled(page, "button", "Go", true)?;
     page.click("button", "Switch to position loop")?;
     wait_until_enabled(page, "button", "Go", true)?;
     // Go is enabled while the motor still switches.
