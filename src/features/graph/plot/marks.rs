@@ -67,15 +67,13 @@ impl Events {
         let clock = |at: Instant| Instant::from_micros(ZERO_US.saturating_add(at.as_micros()));
         for sample in &update.samples {
             let (id, faults) = (sample.reply.id, sample.reply.faults);
-            let known = self.faults.iter_mut().find(|(of, _)| *of == id);
-            let before = match known {
-                Some((_, known)) => std::mem::replace(known, faults),
-                None => {
-                    self.faults.push((id, faults));
-                    Faults::NONE
-                }
-            };
-            if faults != before && !faults.is_none() {
+            let place = self.faults.iter().position(|(of, _)| *of == id);
+            let known = place.and_then(|place| self.faults.get_mut(place));
+            let before = known.map(|(_, known)| std::mem::replace(known, faults));
+            if before.is_none() {
+                self.faults.push((id, faults));
+            }
+            if !faults.is_none() && before != Some(faults) {
                 self.add(id, clock(sample.at), terms::faults(faults));
             }
         }
