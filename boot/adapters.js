@@ -1,4 +1,4 @@
-// The adapter that this tab uses, and what is driven on it: see claim.rs and memory.rs of the worker.
+// The adapter that this tab uses, and what is driven on it: see claim.rs and driven_file.rs of the worker.
 const none = { release() {} };
 let standing = Promise.resolve(none);
 
@@ -46,9 +46,9 @@ async function openIfFree(dir, name) {
 const BUSY_TRIES = 10;
 const BUSY_PAUSE_MS = 40;
 
-// Opens the memory of what is driven on adapters with these USB ids: the file of this tab, and the files that ended
+// Opens the file of what is driven on adapters with these USB ids: the file of this tab, and the files that ended
 // tabs left behind. `living` is the number of other tabs that use such adapters.
-async function openMemory(make, living) {
+async function openDrivenFile(make, living) {
   const root = await navigator.storage.getDirectory();
   const dir = await root.getDirectoryHandle("motorlink-driven", { create: true });
   const prefix = `${make.replaceAll(":", "-") || "port"}.`;
@@ -91,14 +91,14 @@ async function openMemory(make, living) {
 }
 
 // The longest wait for the files. A stop waits for them too.
-const MEMORY_WITHIN_MS = 500;
+const OPENED_WITHIN_MS = 500;
 
-function memoryOf(make, living) {
-  const opened = openMemory(make, living).catch(() => null);
-  const late = new Promise((give) => setTimeout(give, MEMORY_WITHIN_MS, null));
-  return Promise.race([opened, late]).then((memory) => {
-    if (!memory) opened.then((memory) => memory?.close());
-    return memory;
+function drivenFileOf(make, living) {
+  const opened = openDrivenFile(make, living).catch(() => null);
+  const late = new Promise((give) => setTimeout(give, OPENED_WITHIN_MS, null));
+  return Promise.race([opened, late]).then((file) => {
+    if (!file) opened.then((opened) => opened?.close());
+    return file;
   });
 }
 
@@ -115,17 +115,17 @@ async function claim(held, place) {
     taken = await navigator.locks.request("adapters", () => take(make, adapters));
     if (!taken) return null;
   }
-  const memory = await memoryOf(make, taken.others);
+  const file = await drivenFileOf(make, taken.others);
   const release = () => {
-    memory?.close();
+    file?.close();
     taken.release();
   };
-  return { make, release, memory };
+  return { make, release, file };
 }
 
-// Gives false if other tabs use all adapters with these USB ids. Else gives the memory of what is driven, or null.
+// Gives false if other tabs use all adapters with these USB ids. Else gives the file of what is driven, or null.
 self.claimAdapter = async (place) => {
   const claimed = standing.then((held) => claim(held, place)).catch(() => none);
   standing = claimed.then((held) => held ?? none);
-  return ((await claimed) ?? { memory: false }).memory;
+  return ((await claimed) ?? { file: false }).file;
 };

@@ -17,9 +17,9 @@ use wasm_bindgen_futures::spawn_local;
 use crate::{
     asks_again::AsksAgain,
     claim::{claim, release_claim},
+    driven_file::DrivenFile,
     line::Line,
     line_errors::LineErrors,
-    memory::Memory,
     port_owner::{PortOwner, Shared},
     serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
     session::{AfterClosing, OpenSession, Session, Stage},
@@ -139,7 +139,7 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
             reader: None,
             id_query: None,
             asks_again: AsksAgain::default(),
-            memory: Memory::default(),
+            driven_file: DrivenFile::default(),
             line_errors: LineErrors::default(),
         };
         owner.begin_session(Session::Open(Box::new(open)));
@@ -343,8 +343,8 @@ impl Attempt<'_> {
                 if owner.generation != generation {
                     return Err(Superseded);
                 }
-                if let Some(mut memory) = claimed {
-                    if let Some(found) = memory.take_found() {
+                if let Some(mut driven_file) = claimed {
+                    if let Some(found) = driven_file.take_found() {
                         owner.left.add(candidate.usb, found);
                     }
                     return Ok(true);
@@ -375,9 +375,9 @@ impl Attempt<'_> {
                 && (now.since(self.began) < serial::REOPEN_WITHIN
                     || now.since(opening) < serial::JUST_CLOSED)
         };
-        let (memory, opened) = match claim(candidate.place).await {
-            Some(memory) => (memory, serial::open(candidate, model, again).await),
-            None => (Memory::default(), Err(ConnectError::OtherTab)),
+        let (driven_file, opened) = match claim(candidate.place).await {
+            Some(driven_file) => (driven_file, serial::open(candidate, model, again).await),
+            None => (DrivenFile::default(), Err(ConnectError::OtherTab)),
         };
         if shared.borrow().generation != generation {
             if let Ok(line) = opened {
@@ -398,7 +398,7 @@ impl Attempt<'_> {
             reader: None,
             id_query: None,
             asks_again: AsksAgain::default(),
-            memory,
+            driven_file,
             line_errors: LineErrors::default(),
         };
         let generation = begin(shared, Session::Open(Box::new(open)));

@@ -38,12 +38,12 @@ mod asks_again;
 mod blob_parts;
 mod claim;
 mod connecting;
+mod driven_file;
 mod forwarding;
 mod left;
 mod line;
 mod line_errors;
 mod local_time;
-mod memory;
 #[cfg(test)]
 mod mock_serial;
 mod outbox;

@@ -6,7 +6,8 @@ use motorlink_protocol::{Instant, MotorId};
 use web_sys::ReadableStreamDefaultReader;
 
 use crate::{
-    asks_again::AsksAgain, left::Left, line::Line, line_errors::LineErrors, memory::Memory, serial,
+    asks_again::AsksAgain, driven_file::DrivenFile, left::Left, line::Line,
+    line_errors::LineErrors, serial,
 };
 
 /// The state of the port.
@@ -58,7 +59,7 @@ pub(crate) struct OpenSession {
     /// When the ID query is repeated, while no motor has answered.
     pub(crate) asks_again: AsksAgain,
     /// Remembers what is driven.
-    pub(crate) memory: Memory,
+    pub(crate) driven_file: DrivenFile,
     pub(crate) line_errors: LineErrors,
 }
 
@@ -97,7 +98,7 @@ impl OpenSession {
     }
 
     /// Writes what is driven, and what was left driven on adapters of this make, if it has changed. Returns false if it
-    /// cannot be remembered. Virtual motors need no memory.
+    /// cannot be remembered. Virtual motors need no file.
     pub(crate) fn remember(&mut self, left: &Left) -> bool {
         let Line::Serial(serial) = &self.line else {
             return true;
@@ -109,7 +110,7 @@ impl OpenSession {
         }
         let bus = &self.bus;
         let driven = || bus.left_driven().chain(left.of(usb));
-        self.memory.remember(model, driven)
+        self.driven_file.remember(model, driven)
     }
 
     pub(crate) async fn close(self) {

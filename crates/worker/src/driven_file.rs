@@ -13,14 +13,14 @@ use wasm_bindgen::{JsCast, JsValue};
 
 /// The open file of an adapter, or none where the browser has no such files.
 #[derive(Debug, Default)]
-pub(crate) struct Memory {
+pub(crate) struct DrivenFile {
     /// The object of `boot/adapters.js`.
     file: Option<JsValue>,
     /// What the file has.
     written: Option<LeftBehind>,
 }
 
-impl Memory {
+impl DrivenFile {
     pub(crate) fn of(file: JsValue) -> Self {
         Self {
             file: file.is_object().then_some(file),
