@@ -13,10 +13,11 @@ use crate::{
     features::{help::tour_view::TourAction, saved_session::offer::Offer},
     model::{
         keys::KeyAction,
+        local_storage::forget_all,
         names_and_sides::NamesAndSides,
         notice_board::Remedy,
         page::{Change, Dialog},
-        preferences::{Preferences, forget_all},
+        preferences::Preferences,
         replay::{self, Crossing},
         setup::Setup,
         tab::Tab,

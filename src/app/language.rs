@@ -7,8 +7,8 @@ use crate::{
     app::features::Features,
     link::{address::parameter, files},
     model::{
+        local_storage::{remember, remembered},
         notice_texts::of_missing_language,
-        preferences::{remember, remembered},
     },
 };
 

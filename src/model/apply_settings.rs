@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_messages::bus::{BusSettings, Command, CommandRate, Limits};
 
 use crate::{
-    model::{drive_settings::RAMP_STORED_AS, page::Page, preferences::remember},
+    model::{drive_settings::RAMP_STORED_AS, local_storage::remember, page::Page},
     ui::target::Target,
 };
 

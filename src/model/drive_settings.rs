@@ -3,7 +3,7 @@
 use motorlink_messages::bus::Ramp;
 
 use crate::{
-    model::preferences::{Preferences, remembered},
+    model::{local_storage::remembered, preferences::Preferences},
     ui::target::Target,
 };
 

@@ -5,7 +5,7 @@ use leptos::prelude::document;
 use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 
-use crate::model::preferences::{remember as store, remembered};
+use crate::model::local_storage::{remember as store, remembered};
 
 /// The storage key.
 const STORED_AS: &str = "graph-height";

@@ -15,6 +15,7 @@ pub(crate) mod history;
 pub(crate) mod id_progress;
 pub(crate) mod keys;
 pub(crate) mod later_notices;
+pub(crate) mod local_storage;
 pub(crate) mod log_lines;
 pub(crate) mod mirror;
 pub(crate) mod model_choice;

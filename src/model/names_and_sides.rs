@@ -6,8 +6,8 @@ use motorlink_i18n::tr;
 use motorlink_messages::{experiments::analysis::WhenSilent, protocol::MotorId};
 
 use crate::model::{
+    local_storage::{remember, remembered},
     mirror::Mirror,
-    preferences::{remember, remembered},
 };
 
 /// The characters that fit into a chip of the motor strip.

@@ -1,5 +1,6 @@
 //! The stored preferences. Missing or invalid values have their defaults.
 
+use crate::model::local_storage::{remember, remembered};
 use motorlink_messages::{
     ModelChoice, UsbId, VirtualLine,
     bus::{CommandRate, Limits},
@@ -156,52 +157,15 @@ impl Preferences {
     /// Loads them from the browser's storage.
     #[must_use]
     pub fn load() -> Self {
-        let storage = storage();
-        Self::from_store(|name| storage.as_ref()?.get_item(&key(name)).ok()?)
+        Self::from_store(remembered)
     }
 
     /// Stores them. A browser that cannot store them is not an error.
     pub fn save(&self) {
-        if let Some(storage) = storage() {
-            for (name, text) in self.to_store() {
-                let _ = storage.set_item(&key(name), &text);
-            }
+        for (name, text) in self.to_store() {
+            remember(name, &text);
         }
     }
-}
-
-/// A single stored value.
-pub(crate) fn remembered(name: &str) -> Option<String> {
-    storage()?.get_item(&key(name)).ok()?
-}
-
-/// Stores a single value.
-pub(crate) fn remember(name: &str, text: &str) {
-    if let Some(storage) = storage() {
-        let _ = storage.set_item(&key(name), text);
-    }
-}
-
-/// Removes all stored values of the page.
-pub(crate) fn forget_all() {
-    let Some(storage) = storage() else { return };
-    let length = storage.length().unwrap_or_default();
-    let names = (0..length).filter_map(|place| storage.key(place).ok()?);
-    let ours: Vec<String> = names.filter(|name| name.starts_with(PREFIX)).collect();
-    for name in ours {
-        let _ = storage.remove_item(&name);
-    }
-}
-
-/// The prefix of every key, because all pages of an origin share one store.
-const PREFIX: &str = "motorlink.";
-
-fn storage() -> Option<web_sys::Storage> {
-    web_sys::window()?.local_storage().ok()?
-}
-
-fn key(name: &str) -> String {
-    format!("{PREFIX}{name}")
 }
 
 /// `330 2700 75`: rpm, mA, degrees Celsius.

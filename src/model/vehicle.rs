@@ -8,8 +8,8 @@ use motorlink_messages::{
 };
 
 use crate::model::{
+    local_storage::{remember, remembered},
     names_and_sides::{NameAndSide, NamesAndSides, Side},
-    preferences::{remember, remembered},
 };
 
 /// The storage key of the measures.

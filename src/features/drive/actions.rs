@@ -5,9 +5,9 @@ use crate::{
     model::{
         drive_settings::FIRST_SPEED_RPM,
         guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
+        local_storage::{remember, remembered},
         notice_board::Topic,
         page::{Dialog, Page},
-        preferences::{remember, remembered},
         tab::Tab,
         terms,
     },

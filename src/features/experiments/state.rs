@@ -22,9 +22,9 @@ use crate::{
         table::{self, Row},
     },
     model::{
+        local_storage::{remember, remembered},
         names_and_sides::NamesAndSides,
         page::Page,
-        preferences::{remember, remembered},
         snapshot::Session,
         vehicle::geometry_of_page,
     },

@@ -12,8 +12,8 @@ use crate::{
     },
     model::{
         guards::{drive_blocked_by, port_blocked_by, serial_blocked_by, stop_blocked_by},
+        local_storage::{remember, remembered},
         page::Page,
-        preferences::{remember, remembered},
     },
     ui::{
         listener::on_window,

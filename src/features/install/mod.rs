@@ -17,8 +17,8 @@ use crate::{
     features::install::{long_drive::LongDrive, texts as words},
     link::worker_link::WorkerState,
     model::{
+        local_storage::{remember, remembered},
         page::Page,
-        preferences::{remember, remembered},
     },
     ui::{
         clock::page_now_ms,

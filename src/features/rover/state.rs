@@ -10,8 +10,8 @@ use crate::{
     features::rover::trip::Trip,
     model::{
         history::ZERO_US,
+        local_storage::{remember, remembered},
         page::Page,
-        preferences::{remember, remembered},
         vehicle::{geometry_of_page, save, vehicle_of},
     },
     ui::target::Target,

@@ -17,8 +17,8 @@ use crate::{
         wheel::{WHEELS_MAX, Wheel, problem},
     },
     model::{
+        local_storage::{remember, remembered},
         names_and_sides::{NameAndSide, Side},
-        preferences::{remember, remembered},
     },
 };
 
