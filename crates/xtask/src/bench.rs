@@ -6,6 +6,7 @@ use std::process::Command;
 use anyhow::{Result, bail};
 
 use crate::browser::{self, Browser};
+use crate::cargo;
 use crate::failure::refusal_of_flags;
 use crate::other_hosts;
 use crate::process;
@@ -41,9 +42,7 @@ const SCAN_SEEDS: &str = "1000";
 
 /// Builds the virtual motor and the library that shows Chromium its serial line.
 pub fn build_programs(workspace: &Workspace) -> Result<()> {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args(["build", "--profile", PROFILE]);
+    let mut cargo = cargo::command(workspace, &["build", "--profile", PROFILE]);
     cargo.args(["--package", "virtual-motor", "--package", "udev-shim"]);
     process::run(&mut cargo)
 }
@@ -132,18 +131,8 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
 
 /// Measures the computing time of one exchange.
 fn pure_parts(workspace: &Workspace) -> Command {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args(["bench", "--quiet", "--package", "motorlink-bus"]);
-    cargo.args([
-        "--package",
-        "motorlink",
-        "--bench",
-        "exchange",
-        "--bench",
-        "decimate",
-    ]);
-    cargo
+    let args = "bench --quiet --package motorlink-bus --package motorlink --bench exchange --bench decimate";
+    cargo::command(workspace, &args.split(' ').collect::<Vec<_>>())
 }
 
 /// Measures one part, and updates its rows.
@@ -155,10 +144,13 @@ fn alone(workspace: &Workspace, part: &mut Command) -> Result<()> {
 
 /// Writes and reads a session file of one hour.
 fn session(workspace: &Workspace) -> Command {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args(["run", "--quiet", "--profile", PROFILE]);
-    cargo.args(["--package", "motorlink-session", "--example", "one_hour"]);
+    example(workspace, "motorlink-session", "one_hour")
+}
+
+/// Runs an example of a crate, optimised.
+fn example(workspace: &Workspace, package: &str, example: &str) -> Command {
+    let mut cargo = cargo::command(workspace, &["run", "--quiet", "--profile", PROFILE]);
+    cargo.args(["--package", package, "--example", example]);
     cargo
 }
 
@@ -173,21 +165,14 @@ fn set_hour(workspace: &Workspace, program: &mut Command) -> Result<()> {
 
 /// Runs full scans on faulty buses in virtual time, and prints how many found every motor.
 fn full_scans(workspace: &Workspace) -> Command {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args(["run", "--quiet", "--profile", PROFILE]);
-    cargo.args(["--package", "motorlink-bus", "--example", "full_scans"]);
-    cargo.args(["--", SCAN_SEEDS]);
-    cargo
+    let mut scans = example(workspace, "motorlink-bus", "full_scans");
+    scans.args(["--", SCAN_SEEDS]);
+    scans
 }
 
 /// Stops virtual motors in virtual time, and prints when they are braked.
 fn stops(workspace: &Workspace) -> Command {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args(["run", "--quiet", "--profile", PROFILE]);
-    cargo.args(["--package", "motorlink-bus", "--example", "stops"]);
-    cargo
+    example(workspace, "motorlink-bus", "stops")
 }
 
 /// Runs the fault simulation.
@@ -197,8 +182,7 @@ pub fn soak(workspace: &Workspace, args: &[String]) -> Result<()> {
 
 /// The program of the fault simulation.
 pub fn worlds(workspace: &Workspace) -> Command {
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
+    let mut cargo = cargo::command(workspace, &[]);
     add_simulation(&mut cargo);
     cargo
 }

@@ -1,12 +1,9 @@
 //! The commands and their flags.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 
-use crate::failure::BAD_INPUT_CODE;
 use crate::{mutants, reliability};
 
 /// Builds, serves, tests and measures MotorLink.
@@ -121,53 +118,15 @@ pub struct Selection {
     pub list: bool,
 }
 
-/// Prints in one line what is wrong with the command line, or the help.
-pub fn explain(error: &clap::Error) -> ExitCode {
-    if matches!(error.kind(), ErrorKind::DisplayHelp) {
-        print!("{error}");
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("{} (see cargo xtask --help)", one_line(error));
-    ExitCode::from(BAD_INPUT_CODE)
-}
-
-/// The first line of clap's message; what follows is usage and hints.
-fn one_line(error: &clap::Error) -> String {
-    if matches!(
-        error.kind(),
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand
-    ) {
-        return "error: no command given".to_owned();
-    }
-    let text = error.to_string();
-    text.lines().next().unwrap_or("error").to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
 
     use super::*;
 
-    fn refused(args: &[&str]) -> String {
-        let line = std::iter::once("cargo xtask").chain(args.iter().copied());
-        one_line(&CommandLine::try_parse_from(line).unwrap_err())
-    }
-
     #[test]
     fn the_command_line_is_sound() {
         CommandLine::command().debug_assert();
-    }
-
-    #[test]
-    fn bad_input_is_explained_in_one_line() {
-        assert_eq!(refused(&[]), "error: no command given");
-        assert_eq!(
-            refused(&["build", "--fast"]),
-            "error: unexpected argument '--fast' found"
-        );
-        assert_eq!(refused(&["fly"]), "error: unrecognized subcommand 'fly'");
-        assert!(refused(&["run", "--port", "70000"]).contains("70000"));
     }
 
     #[test]

@@ -1,54 +1,29 @@
 //! Failures of commands: one line on stderr and an exit code.
 
-use std::fmt;
 use std::process::ExitCode;
 
 /// Exit code for a wrong command line, as the shell's own commands use it.
 pub const BAD_INPUT_CODE: u8 = 2;
 
 /// A wrong argument; the text says what to type instead.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct BadInput(pub String);
 
-impl fmt::Display for BadInput {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for BadInput {}
-
 /// A program refused the flags that it was given, and has printed why.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("the program refused its flags")]
 pub struct RefusedByChild;
 
-impl fmt::Display for RefusedByChild {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the program refused its flags")
-    }
-}
-
-impl std::error::Error for RefusedByChild {}
-
 /// A program that was started has failed, and has printed why.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("`{command}` {}", .code.map_or("was ended by a signal".into(), |code| format!("failed with exit code {code}")))]
 pub struct ChildFailed {
     /// The command as a user would type it.
     pub command: String,
     /// Its exit code; none where a signal ended it.
     pub code: Option<i32>,
 }
-
-impl fmt::Display for ChildFailed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.code {
-            Some(code) => write!(f, "`{}` failed with exit code {code}", self.command),
-            None => write!(f, "`{}` was ended by a signal", self.command),
-        }
-    }
-}
-
-impl std::error::Error for ChildFailed {}
 
 /// Prints the failure in one line and returns the exit code.
 pub fn report(error: &anyhow::Error) -> ExitCode {

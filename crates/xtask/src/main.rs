@@ -54,11 +54,7 @@ use site_file::Profile;
 use workspace::Workspace;
 
 fn main() -> ExitCode {
-    let command = match CommandLine::try_parse() {
-        Ok(line) => line.command,
-        Err(error) => return command_line::explain(&error),
-    };
-    match run(command) {
+    match run(CommandLine::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => failure::report(&error),
     }
