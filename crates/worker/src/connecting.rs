@@ -21,8 +21,8 @@ use crate::{
     line::Line,
     line_errors::LineErrors,
     port_owner::{PortOwner, Shared},
+    port_state::{AfterClosing, OpenPort, PortState, Stage},
     serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
-    session::{AfterClosing, OpenSession, Session, Stage},
     trial::{
         DetectedModel, Superseded, any_motor_replies, detected_model, left_motor_turns,
         wanted_motor_replies,
@@ -43,7 +43,7 @@ pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
     {
         let mut owner = shared.borrow_mut();
         let now = owner.now();
-        if let Session::Open(open) = &mut owner.session
+        if let PortState::Open(open) = &mut owner.port
             && open.bus.is_active(now)
         {
             open.stage = Stage::Closing(then);
@@ -59,10 +59,10 @@ pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
 
 /// Closes the port, and then does what `then` asks.
 fn close(shared: &Shared, then: AfterClosing) {
-    let (left, generation) = shared.borrow_mut().begin_session(Session::Closed);
+    let (left, generation) = shared.borrow_mut().set_port(PortState::Closed);
     let shared = Rc::clone(shared);
     spawn_local(async move {
-        if let Session::Open(open) = left {
+        if let PortState::Open(open) = left {
             open.close().await;
         }
         if shared.borrow().generation != generation {
@@ -105,7 +105,7 @@ pub(crate) fn pump(shared: &Shared) {
     }
 }
 
-/// Handles an event of a port's reader, unless another session has begun.
+/// Handles an event of a port's reader, unless another port state has begun.
 pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
     {
         let mut owner = shared.borrow_mut();
@@ -113,9 +113,9 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
             return;
         }
         let now = owner.now();
-        match (&mut owner.session, event) {
-            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
-            (Session::Open(open), ReadEvent::LineError(error)) => {
+        match (&mut owner.port, event) {
+            (PortState::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
+            (PortState::Open(open), ReadEvent::LineError(error)) => {
                 let count = open.line_errors.count(now);
                 if let Some(count) = count {
                     owner.outbox.notice(Notice::LineError { error, count });
@@ -132,7 +132,7 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
     {
         let mut owner = shared.borrow_mut();
         let bus = owner.new_bus(line.model, Some(line));
-        let open = OpenSession {
+        let open = OpenPort {
             line: Line::of_virtual(line),
             bus,
             stage: Stage::Settled,
@@ -142,7 +142,7 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
             driven_file: DrivenFile::default(),
             line_errors: LineErrors::default(),
         };
-        owner.begin_session(Session::Open(Box::new(open)));
+        owner.set_port(PortState::Open(Box::new(open)));
     }
     pump(shared);
 }
@@ -207,7 +207,7 @@ pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wante
         began: shared.borrow().now(),
     };
     if let Ok(Some(failure)) = attempt.open_any(candidates).await {
-        begin(shared, Session::Failed(failure));
+        begin(shared, PortState::Failed(failure));
         release_claim();
     }
 }
@@ -219,7 +219,7 @@ impl Attempt<'_> {
     /// has a motor that turns, and nothing but queries goes out before that is known.
     async fn open_any(self, candidates: Vec<PortRef>) -> Result<Option<ConnectError>, Superseded> {
         let lost = self.lost;
-        let mut generation = begin(self.shared, Session::Opening { lost });
+        let mut generation = begin(self.shared, PortState::Opening { lost });
         let mut first_that_opens = None;
         let mut first_that_fits = None;
         let mut failure = ConnectError::PortGone;
@@ -391,7 +391,7 @@ impl Attempt<'_> {
         };
         let (port, in_flight) = (line.port(), line.in_flight());
         let (bus, left) = self.new_bus(&line, model, left);
-        let open = OpenSession {
+        let open = OpenPort {
             line: Line::Serial(line),
             bus,
             stage: Stage::OnTrial { lost: self.lost },
@@ -401,7 +401,7 @@ impl Attempt<'_> {
             driven_file,
             line_errors: LineErrors::default(),
         };
-        let generation = begin(shared, Session::Open(Box::new(open)));
+        let generation = begin(shared, PortState::Open(Box::new(open)));
         spawn_local(read(Rc::clone(shared), generation, port, in_flight));
         Ok(Ok(Opened { generation, left }))
     }
@@ -434,8 +434,8 @@ impl Attempt<'_> {
     fn stop_left(self) {
         let mut owner = self.shared.borrow_mut();
         let now = owner.now();
-        let PortOwner { session, left, .. } = &mut *owner;
-        if let Session::Open(open) = session {
+        let PortOwner { port, left, .. } = &mut *owner;
+        if let PortState::Open(open) = port {
             open.bus.stop_first(now, left.take(open.usb()));
         }
     }
@@ -445,7 +445,7 @@ impl Attempt<'_> {
         {
             let mut owner = self.shared.borrow_mut();
             let now = owner.now();
-            if let Session::Open(open) = &mut owner.session
+            if let PortState::Open(open) = &mut owner.port
                 && let Stage::OnTrial { .. } = open.stage
             {
                 open.stage = Stage::Settled;
@@ -470,7 +470,7 @@ pub(crate) fn adapter_plugged(shared: &Shared) {
 }
 
 fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
-    let Session::Lost(lost) = shared.borrow().session else {
+    let PortState::Lost(lost) = shared.borrow().port else {
         return;
     };
     let Adapter::Serial(usb) = lost else { return };
@@ -481,7 +481,7 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
                 return;
             };
             // The user may have disconnected or connected meanwhile.
-            if !matches!(shared.borrow().session, Session::Lost(_)) {
+            if !matches!(shared.borrow().port, PortState::Lost(_)) {
                 return;
             }
             let candidates: Vec<_> = {
@@ -501,7 +501,7 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
                     began: shared.borrow().now(),
                 };
                 match attempt.open_any(candidates).await {
-                    Ok(Some(_)) => _ = begin(&shared, Session::Lost(lost)),
+                    Ok(Some(_)) => _ = begin(&shared, PortState::Lost(lost)),
                     Ok(None) | Err(Superseded) => return,
                 }
             }
@@ -510,13 +510,13 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
     });
 }
 
-fn begin(shared: &Shared, session: Session) -> u32 {
-    let (_, generation) = shared.borrow_mut().begin_session(session);
+fn begin(shared: &Shared, port: PortState) -> u32 {
+    let (_, generation) = shared.borrow_mut().set_port(port);
     pump(shared);
     generation
 }
 
-/// Reads a port until its session ends.
+/// Reads a port until it is closed or lost.
 async fn read(
     shared: Shared,
     generation: u32,
@@ -533,7 +533,7 @@ async fn read(
             if owner.generation != generation {
                 return false;
             }
-            if let Session::Open(open) = &mut owner.session {
+            if let PortState::Open(open) = &mut owner.port {
                 open.reader = reader;
             }
             true
@@ -553,8 +553,8 @@ async fn read(
 }
 
 async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
-    let (left, generation) = shared.borrow_mut().begin_session(Session::Opening { lost });
-    if let Session::Open(open) = left {
+    let (left, generation) = shared.borrow_mut().set_port(PortState::Opening { lost });
+    if let PortState::Open(open) = left {
         open.close().await;
     }
     generation

@@ -18,7 +18,7 @@ async fn driving(bench: &Bench, port: &MockPort) {
     bench
         .until("a reply", |bench| {
             let owner = bench.owner.borrow();
-            let Session::Open(open) = &owner.session else {
+            let PortState::Open(open) = &owner.port else {
                 return false;
             };
             let mut motors = open.bus.motors(bench.now());

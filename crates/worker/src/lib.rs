@@ -9,7 +9,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `port_owner` | the state of the port worker: the session, the bus, and what happens to commands and events |
+//! | `port_owner` | the state of the port worker: the port, the bus, and what happens to commands and events |
 //! | `connecting` | opening, trying and reopening serial ports |
 //! | `claim` | claims an adapter for this tab |
 //! | `memory` | remembers what is driven beyond the end of the worker |
@@ -17,7 +17,7 @@
 //! | `asks_again` | repeats the ID query while nothing answers |
 //! | `left` | motors that were left driven on adapters that are not open |
 //! | `line_errors` | counts errors of the line |
-//! | `session` | the state of the port |
+//! | `port_state` | the state of the port |
 //! | `forwarding` | forwards the events of the bus to the page |
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
@@ -48,12 +48,12 @@ mod local_time;
 mod mock_serial;
 mod outbox;
 mod port_owner;
+mod port_state;
 mod recorder;
 mod recorder_request;
 mod runs;
 mod scope;
 mod serial;
-mod session;
 mod sessions;
 mod start;
 mod traffic;

@@ -20,8 +20,8 @@ use wasm_bindgen_futures::spawn_local;
 use crate::{
     connecting::{adapter_plugged, pump},
     port_owner::Shared,
+    port_state::PortState,
     scope::{Clock, global},
-    session::Session,
     start::{handle, new_owner},
 };
 
@@ -269,7 +269,7 @@ impl Bench {
     }
 
     pub(crate) fn connection(&self) -> Connection {
-        self.owner.borrow().session.connection()
+        self.owner.borrow().port.connection()
     }
 
     /// All that the page was told.
@@ -288,7 +288,7 @@ impl Drop for Bench {
         self.runs.set(false);
         let mut owner = self.owner.borrow_mut();
         owner.generation += 1;
-        owner.session = Session::Closed;
+        owner.port = PortState::Closed;
     }
 }
 

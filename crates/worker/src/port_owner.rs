@@ -15,23 +15,23 @@ use crate::{
     left::Left,
     line::Line,
     outbox::{CurrentState, Outbox},
+    port_state::{AfterClosing, PortState, Stage},
     runs::host::Runs,
     scope::Clock,
-    session::{AfterClosing, Session, Stage},
     traffic::TrafficQueue,
 };
 
 mod requests;
 
-/// The state of the port worker: the session with its bus, and the queues to the page and the
+/// The state of the port worker: the port with its bus, and the queues to the page and the
 /// recorder. Each callback of the browser borrows it once, briefly.
 pub(crate) struct PortOwner {
     clock: Clock,
     alarm: Alarm,
     pub(crate) outbox: Outbox,
     traffic: TrafficQueue,
-    pub(crate) session: Session,
-    /// The number of the session: a task of an older session must not touch a newer one.
+    pub(crate) port: PortState,
+    /// The number of the port state: a task of an older one must not touch a newer one.
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
     settings: BusSettings,
@@ -58,7 +58,7 @@ impl PortOwner {
             alarm,
             outbox: Outbox::default(),
             traffic: TrafficQueue::default(),
-            session: Session::Closed,
+            port: PortState::Closed,
             generation: 0,
             selected: MotorId::FIRST,
             settings: BusSettings::default(),
@@ -103,14 +103,14 @@ impl PortOwner {
         bus
     }
 
-    /// Begins another session; returns the old one and the number of the new one.
-    pub(crate) fn begin_session(&mut self, session: Session) -> (Session, u32) {
+    /// Sets the state of the port; returns the old one and the number of the new one.
+    pub(crate) fn set_port(&mut self, port: PortState) -> (PortState, u32) {
         self.generation += 1;
         self.outbox.touch();
         let now = self.now();
         self.runs.closed(now, Input::Closed, self.settings);
-        let mut left = std::mem::replace(&mut self.session, session);
-        if let Session::Open(open) = &mut left {
+        let mut left = std::mem::replace(&mut self.port, port);
+        if let PortState::Open(open) = &mut left {
             // A scan or an ID change that ends with its port is reported as cancelled.
             let last_events: Vec<Event> = open.bus.close(now).collect();
             for event in last_events {
@@ -134,7 +134,7 @@ impl PortOwner {
     /// If the port was being closed, returns what to do after closing.
     pub(crate) fn adapter_lost(&mut self) -> Option<AfterClosing> {
         let now = self.now();
-        let Session::Open(open) = &mut self.session else {
+        let PortState::Open(open) = &mut self.port else {
             return None;
         };
         let leaving = match &mut open.stage {
@@ -149,11 +149,11 @@ impl PortOwner {
         self.outbox.notice(Notice::AdapterLost { driven });
         self.runs.closed(now, Input::Unplugged, self.settings);
         let waiting = if leaving.is_some() {
-            Session::Closed
+            PortState::Closed
         } else {
-            Session::Lost(adapter)
+            PortState::Lost(adapter)
         };
-        self.begin_session(waiting);
+        self.set_port(waiting);
         // It is claimed again when it is back.
         release_claim();
         leaving
@@ -165,7 +165,7 @@ impl PortOwner {
         let now = self.now();
         let mut wake = None;
         let mut left = None;
-        if let Session::Open(open) = &mut self.session {
+        if let PortState::Open(open) = &mut self.port {
             let settings = self.settings;
             // Before the bus, which then sends the setpoints of this moment.
             self.runs.tick(now, &mut open.bus, settings);
@@ -230,12 +230,14 @@ impl PortOwner {
     }
 
     fn current_state(&self, now: Instant) -> CurrentState {
-        let bus = match &self.session {
-            Session::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => Some(&open.bus),
+        let bus = match &self.port {
+            PortState::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => {
+                Some(&open.bus)
+            }
             _ => None,
         };
         CurrentState {
-            connection: self.session.connection(),
+            connection: self.port.connection(),
             halted: self.halted,
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
             job: bus.and_then(Bus::job),

@@ -9,10 +9,10 @@ use crate::{
     alarm::Alarm,
     connecting::{adapter_plugged, pump, stop_and_close},
     port_owner::{PortOwner, Shared},
+    port_state::AfterClosing,
     runs::loading::run_message,
     scope::{self, Clock, Incoming},
     serial,
-    session::AfterClosing,
 };
 
 /// Starts the worker.

@@ -8,7 +8,7 @@ use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
     port_owner::Shared,
-    session::{OpenSession, Session},
+    port_state::{OpenPort, PortState},
 };
 
 /// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
@@ -19,7 +19,7 @@ const DETECTION: Duration = Duration::from_millis(200);
 /// How often to check for a reply.
 const TRIAL_STEP: Duration = Duration::from_millis(20);
 
-/// Another session has begun meanwhile, so this task ends.
+/// Another port state has begun meanwhile, so this task ends.
 pub(crate) struct Superseded;
 
 /// The model that the replies on a port on trial show.
@@ -37,7 +37,7 @@ pub(crate) async fn detected_model(
     shared: &Shared,
     generation: u32,
 ) -> Result<DetectedModel, Superseded> {
-    let of_replies = |open: &OpenSession, now: Instant| {
+    let of_replies = |open: &OpenPort, now: Instant| {
         if open.bus.model_known() {
             return Some(DetectedModel::Own);
         }
@@ -56,7 +56,7 @@ pub(crate) async fn wanted_motor_replies(
     generation: u32,
     wanted: MotorId,
 ) -> Result<bool, Superseded> {
-    let replied = |open: &OpenSession, now: Instant| open.has_replied(now, wanted).then_some(());
+    let replied = |open: &OpenPort, now: Instant| open.has_replied(now, wanted).then_some(());
     let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
     Ok(reply.is_some())
 }
@@ -67,7 +67,7 @@ pub(crate) async fn any_motor_replies(
     shared: &Shared,
     generation: u32,
 ) -> Result<bool, Superseded> {
-    let replied = |open: &OpenSession, now: Instant| {
+    let replied = |open: &OpenPort, now: Instant| {
         let mut motors = open.bus.motors(now);
         motors.any(|motor| motor.last.is_some()).then_some(())
     };
@@ -80,12 +80,12 @@ pub(crate) async fn any_motor_replies(
 pub(crate) async fn left_motor_turns(shared: &Shared, generation: u32) -> Result<bool, Superseded> {
     let left: Vec<MotorId> = {
         let owner = shared.borrow();
-        let Session::Open(open) = &owner.session else {
+        let PortState::Open(open) = &owner.port else {
             return Err(Superseded);
         };
         owner.left.of(open.usb()).map(|motor| motor.id).collect()
     };
-    let turns = |open: &OpenSession, now: Instant| {
+    let turns = |open: &OpenPort, now: Instant| {
         let turns = |motor: MotorStatus| {
             let speed = motor.speed.map(|(_, speed)| speed.magnitude());
             left.contains(&motor.id) && speed.is_some_and(|rpm| rpm > 0)
@@ -102,14 +102,14 @@ async fn wait_on_trial<T>(
     shared: &Shared,
     generation: u32,
     limit: Duration,
-    found: impl Fn(&OpenSession, Instant) -> Option<T>,
+    found: impl Fn(&OpenPort, Instant) -> Option<T>,
 ) -> Result<Option<T>, Superseded> {
     let mut left = limit.as_millis() / TRIAL_STEP.as_millis();
     loop {
         sleep(TRIAL_STEP).await;
         let owner = shared.borrow();
-        let open = match &owner.session {
-            Session::Open(open) if owner.generation == generation => open,
+        let open = match &owner.port {
+            PortState::Open(open) if owner.generation == generation => open,
             _ => return Err(Superseded),
         };
         let now = owner.now();

@@ -8,14 +8,14 @@ use motorlink_protocol::{Instant, MotorId};
 use motorlink_runs::{Host, Input};
 
 use super::PortOwner;
-use crate::session::{Session, Stage};
+use crate::port_state::{PortState, Stage};
 
 impl PortOwner {
     pub(crate) fn select(&mut self, id: MotorId) {
         let now = self.now();
         self.selected = id;
         self.outbox.touch();
-        if let Session::Open(open) = &mut self.session {
+        if let PortState::Open(open) = &mut self.port {
             let never_replied: Vec<_> = open
                 .bus
                 .motors(now)
@@ -42,8 +42,8 @@ impl PortOwner {
     /// Passes a message of the page to the loaded program of the runs.
     pub(crate) fn run_message(&mut self, (bytes, is_old): (Vec<u8>, bool)) {
         let now = self.now();
-        let bus = match &mut self.session {
-            Session::Open(open) if matches!(open.stage, Stage::Settled) => Some(&mut open.bus),
+        let bus = match &mut self.port {
+            PortState::Open(open) if matches!(open.stage, Stage::Settled) => Some(&mut open.bus),
             _ => None,
         };
         let line = Host::line_state(now, bus.as_deref());
@@ -74,8 +74,8 @@ impl PortOwner {
             self.traffic.send_soon();
         }
         self.outbox.touch();
-        match &mut self.session {
-            Session::Open(open) => {
+        match &mut self.port {
+            PortState::Open(open) => {
                 if command.may_move() && !matches!(open.stage, Stage::Settled) {
                     self.outbox.notice(Notice::NotConnected);
                     return;
@@ -109,7 +109,7 @@ impl PortOwner {
     /// Injects a fault into the virtual line, or removes it. The bus is not told, as on a real line.
     pub(crate) fn set_virtual_wire(&mut self, wire: VirtualWire) {
         let now = self.now();
-        let Session::Open(open) = &mut self.session else {
+        let PortState::Open(open) = &mut self.port else {
             return;
         };
         if open.line.adapter().virtual_line().is_none() {
@@ -140,7 +140,7 @@ impl PortOwner {
         let ahead_ms = now_ms(now) - page_ms;
         self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
         self.outbox.page_answered();
-        if let Session::Open(open) = &mut self.session {
+        if let PortState::Open(open) = &mut self.port {
             open.bus.page_answered(now);
         }
     }

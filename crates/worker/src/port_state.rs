@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// The state of the port.
-pub(crate) enum Session {
+pub(crate) enum PortState {
     /// No port is open and none is wanted.
     Closed,
     /// The last attempt failed.
@@ -22,12 +22,12 @@ pub(crate) enum Session {
         lost: Option<Adapter>,
     },
     /// A port is open.
-    Open(Box<OpenSession>),
+    Open(Box<OpenPort>),
     /// The adapter was unplugged; the worker waits for it.
     Lost(Adapter),
 }
 
-impl Session {
+impl PortState {
     /// The state as the page shows it.
     pub(crate) fn connection(&self) -> Connection {
         match self {
@@ -48,7 +48,7 @@ fn opening(lost: Option<Adapter>) -> Connection {
 }
 
 /// An open port with the bus on it.
-pub(crate) struct OpenSession {
+pub(crate) struct OpenPort {
     pub(crate) line: Line,
     pub(crate) bus: Bus,
     pub(crate) stage: Stage,
@@ -81,7 +81,7 @@ pub(crate) enum Stage {
     Closing(AfterClosing),
 }
 
-impl OpenSession {
+impl OpenPort {
     /// Whether this motor has replied on this port.
     pub(crate) fn has_replied(&self, now: Instant, wanted: MotorId) -> bool {
         self.bus
