@@ -18,57 +18,44 @@ const COUNT_MAX: i32 = 1_000_000;
 
 /// The new ID of a motor, decimal or in hex with 0x.
 pub(crate) const NEW_ID: Entry = Entry {
-    min: MotorId::FIRST.get() as i32,
-    max: MotorId::LAST.get() as i32,
-    read: |text, _, _| new_id(text),
     show: |id| match id {
         NO_NEW_ID => String::new(),
         id => id.to_string(),
     },
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
+    ..Entry::whole(
+        MotorId::FIRST.get() as i32,
+        MotorId::LAST.get() as i32,
+        |text, _, _| new_id(text),
+    )
 };
 
 /// How often a frame is sent; 0 is until stopped.
-pub(crate) const COUNT: Entry = Entry {
-    min: 0,
-    max: COUNT_MAX,
-    read: |text, _, _| {
-        whole(text, |count| {
-            let fits = (0..=COUNT_MAX).contains(&count);
-            fits.then_some(count)
-                .ok_or(tr!("Enter 0 to 1\u{202F}000\u{202F}000."))
-        })
-    },
-    show: |count| count.to_string(),
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
-};
+pub(crate) const COUNT: Entry = Entry::whole(0, COUNT_MAX, |text, _, _| {
+    whole(text, |count| {
+        let fits = (0..=COUNT_MAX).contains(&count);
+        fits.then_some(count)
+            .ok_or(tr!("Enter 0 to 1\u{202F}000\u{202F}000."))
+    })
+});
 
 /// Milliseconds between two of them.
-pub(crate) const INTERVAL: Entry = Entry {
-    min: RawInterval::MIN_MS as i32,
-    max: RawInterval::MAX_MS as i32,
-    read: |text, _, _| {
+pub(crate) const INTERVAL: Entry = Entry::whole(
+    RawInterval::MIN_MS as i32,
+    RawInterval::MAX_MS as i32,
+    |text, _, _| {
         whole(text, |millis| {
             let fits = interval(millis).is_some();
             fits.then_some(millis)
                 .ok_or(tr!("Enter 2 to 60\u{202F}000."))
         })
     },
-    show: |millis| millis.to_string(),
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
-};
+);
 
 /// The ramp in rpm per second; 0 is none.
 pub(crate) const RAMP: Entry = Entry {
-    min: 0,
-    max: Ramp::MAX as i32,
-    read: |text, _, _| {
+    step: 10.0,
+    page: 100.0,
+    ..Entry::whole(0, Ramp::MAX as i32, |text, _, _| {
         if text.trim().is_empty() {
             return Typed::Value(0);
         }
@@ -76,11 +63,7 @@ pub(crate) const RAMP: Entry = Entry {
             let fits = (0..=Ramp::MAX.into()).contains(&rpm);
             fits.then_some(rpm).ok_or(tr!("Enter 0 to 10\u{202F}000."))
         })
-    },
-    show: |rpm| rpm.to_string(),
-    scale: 1.0,
-    step: 10.0,
-    page: 100.0,
+    })
 };
 
 /// The entered interval.

@@ -39,6 +39,19 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// A whole number in this range that is displayed as it is.
+    pub(crate) const fn whole(min: i32, max: i32, read: fn(&str, i32, i32) -> Typed) -> Self {
+        Self {
+            min,
+            max,
+            read,
+            show: |value| value.to_string(),
+            scale: 1.0,
+            step: 1.0,
+            page: 10.0,
+        }
+    }
+
     /// Parses a text.
     pub(crate) fn read(self, text: &str) -> Typed {
         (self.read)(text, self.min, self.max)
@@ -85,35 +98,25 @@ const DEGREES_PER_RAW: f64 = 360.0 / PositionTarget::MAX as f64;
 
 /// Speed in rpm.
 pub(crate) const SPEED: Entry = Entry {
-    min: SpeedTarget::MIN,
-    max: SpeedTarget::MAX,
-    read: |text, min, max| whole(text, |rpm| within(rpm, min, max, tr!("Speed in rpm"))),
     show: format::signed,
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
+    ..Entry::whole(SpeedTarget::MIN, SpeedTarget::MAX, |text, min, max| {
+        whole(text, |rpm| within(rpm, min, max, tr!("Speed in rpm")))
+    })
 };
 
 /// Byte 6 of a drive frame.
-pub(crate) const ACCELERATION: Entry = Entry {
-    min: 0,
-    max: 255,
-    read: |text, min, max| whole(text, |byte| within(byte, min, max, tr!("Acceleration"))),
-    show: |byte| byte.to_string(),
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
-};
+pub(crate) const ACCELERATION: Entry = Entry::whole(0, 255, |text, min, max| {
+    whole(text, |byte| within(byte, min, max, tr!("Acceleration")))
+});
 
 /// Raw torque current.
 pub(crate) const CURRENT: Entry = Entry {
-    min: CurrentTarget::MIN,
-    max: CurrentTarget::MAX,
-    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw current"))),
     show: format::signed,
-    scale: 1.0,
     step: 100.0,
     page: 1000.0,
+    ..Entry::whole(CurrentTarget::MIN, CurrentTarget::MAX, |text, min, max| {
+        whole(text, |raw| within(raw, min, max, tr!("Raw current")))
+    })
 };
 
 /// Amps of the greatest raw torque current.
@@ -135,24 +138,25 @@ pub(crate) const AMPS: Entry = Entry {
 
 /// Raw output without a controller.
 pub(crate) const OUTPUT: Entry = Entry {
-    min: OpenLoopTarget::MIN,
-    max: OpenLoopTarget::MAX,
-    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw output"))),
     show: format::signed,
-    scale: 1.0,
     step: 100.0,
     page: 1000.0,
+    ..Entry::whole(
+        OpenLoopTarget::MIN,
+        OpenLoopTarget::MAX,
+        |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw output"))),
+    )
 };
 
 /// Raw angle.
 pub(crate) const POSITION: Entry = Entry {
-    min: PositionTarget::MIN,
-    max: PositionTarget::MAX,
-    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw position"))),
-    show: |raw| raw.to_string(),
-    scale: 1.0,
     step: 100.0,
     page: 1000.0,
+    ..Entry::whole(
+        PositionTarget::MIN,
+        PositionTarget::MAX,
+        |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw position"))),
+    )
 };
 
 /// The same raw angle, in degrees.
@@ -167,29 +171,25 @@ pub(crate) const ANGLE: Entry = Entry {
 };
 
 /// Drive frames per second.
-pub(crate) const RATE: Entry = Entry {
-    min: CommandRate::MIN as i32,
-    max: CommandRate::MAX as i32,
-    read: |text, min, max| {
+pub(crate) const RATE: Entry = Entry::whole(
+    CommandRate::MIN as i32,
+    CommandRate::MAX as i32,
+    |text, min, max| {
         whole(text, |hertz| {
             within(hertz, min, max, tr!("Command rate in Hz"))
         })
     },
-    show: |hertz| hertz.to_string(),
-    scale: 1.0,
-    step: 1.0,
-    page: 10.0,
-};
+);
 
 /// Speed at which a motor is stopped, in rpm.
 pub(crate) const SPEED_LIMIT: Entry = Entry {
-    min: Limits::SPEED_RPM.0 as i32,
-    max: Limits::SPEED_RPM.1 as i32,
-    read: |text, min, max| whole(text, |rpm| within(rpm, min, max, tr!("Speed limit"))),
-    show: |rpm| rpm.to_string(),
-    scale: 1.0,
     step: 10.0,
     page: 50.0,
+    ..Entry::whole(
+        Limits::SPEED_RPM.0 as i32,
+        Limits::SPEED_RPM.1 as i32,
+        |text, min, max| whole(text, |rpm| within(rpm, min, max, tr!("Speed limit"))),
+    )
 };
 
 /// Current at which a motor is stopped, in mA, shown in amps.
@@ -208,17 +208,16 @@ pub(crate) const CURRENT_LIMIT: Entry = Entry {
 
 /// Temperature at which a motor is stopped, in degrees Celsius.
 pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
-    min: Limits::TEMPERATURE_C.0 as i32,
-    max: Limits::TEMPERATURE_C.1 as i32,
-    read: |text, min, max| {
-        whole(text, |degrees| {
-            within(degrees, min, max, tr!("Temperature limit"))
-        })
-    },
-    show: |degrees| degrees.to_string(),
-    scale: 1.0,
-    step: 1.0,
     page: 5.0,
+    ..Entry::whole(
+        Limits::TEMPERATURE_C.0 as i32,
+        Limits::TEMPERATURE_C.1 as i32,
+        |text, min, max| {
+            whole(text, |degrees| {
+                within(degrees, min, max, tr!("Temperature limit"))
+            })
+        },
+    )
 };
 
 /// Amps, rounded to a tenth.

@@ -20,27 +20,20 @@ pub(crate) struct Connect {
 impl Connect {
     /// Opens a permitted port, or the picker if there is none.
     pub(crate) fn connect(self) {
-        let last = self
-            .page
-            .preferences
-            .with_untracked(|chosen| chosen.adapter);
-        spawn_local(async move {
-            match serial_ports::permitted(last).await {
-                Ok(ports) if ports.is_empty() => self.pick_and_open(true).await,
-                Ok(ports) => self.open(ports),
-                Err(trouble) => self.could_not_pick(trouble),
-            }
-        });
+        self.open_permitted(true);
     }
 
     /// Opens the port again that is open, because another model was chosen.
     pub(crate) fn reconnect(self) {
-        let last = self
-            .page
-            .preferences
-            .with_untracked(|chosen| chosen.adapter);
+        self.open_permitted(false);
+    }
+
+    fn open_permitted(self, or_pick: bool) {
+        let chosen = self.page.preferences;
+        let last = chosen.with_untracked(|chosen| chosen.adapter);
         spawn_local(async move {
             match serial_ports::permitted(last).await {
+                Ok(ports) if ports.is_empty() && or_pick => self.pick_and_open(true).await,
                 Ok(ports) => self.open(ports),
                 Err(trouble) => self.could_not_pick(trouble),
             }
