@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 
 use crate::programs;
 
@@ -20,19 +20,13 @@ pub struct Browser {
     pub driver: PathBuf,
 }
 
-/// Finds both, or installs them with the system's package manager if that is allowed.
+/// Finds both, or installs them.
 pub fn ensure() -> Result<Browser> {
-    if let Some(browser) = find()? {
-        return Ok(browser);
-    }
-    if programs::install(&["chromium", "chromium-driver"])?
-        && let Some(browser) = find()?
-    {
-        return Ok(browser);
-    }
-    bail!(
+    programs::ensure(
+        find,
+        &["chromium", "chromium-driver"],
         "Chromium or chromedriver is missing: install both (Debian: apt-get install chromium \
-         chromium-driver) or name them in MOTORLINK_CHROMIUM and CHROMEDRIVER"
+         chromium-driver) or name them in MOTORLINK_CHROMIUM and CHROMEDRIVER",
     )
 }
 

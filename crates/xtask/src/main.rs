@@ -16,7 +16,6 @@ mod experiments;
 mod failure;
 mod invariants;
 mod layers;
-mod libreoffice;
 mod lines;
 mod minify;
 mod mutants;

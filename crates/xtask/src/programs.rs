@@ -4,7 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use crate::failure::BadInput;
 use crate::process;
@@ -34,8 +34,26 @@ fn first_on(dirs: &[PathBuf], names: &[&str]) -> Option<PathBuf> {
     })
 }
 
+/// Finds programs, or installs their packages with the system's package manager if that is allowed. `missing` says what
+/// to do otherwise.
+pub fn ensure<T>(
+    find: impl Fn() -> Result<Option<T>>,
+    packages: &[&str],
+    missing: &str,
+) -> Result<T> {
+    if let Some(found) = find()? {
+        return Ok(found);
+    }
+    if install(packages)?
+        && let Some(found) = find()?
+    {
+        return Ok(found);
+    }
+    bail!("{missing}")
+}
+
 /// Installs packages of Debian, if that is allowed. Returns whether it did.
-pub fn install(packages: &[&str]) -> Result<bool> {
+fn install(packages: &[&str]) -> Result<bool> {
     if !may_install() {
         return Ok(false);
     }

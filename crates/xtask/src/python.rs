@@ -5,9 +5,9 @@ use std::{fs, path::PathBuf, process::Command};
 use anyhow::{Context, Result, bail};
 
 use crate::cargo;
-use crate::libreoffice;
 use crate::npm;
 use crate::process;
+use crate::programs;
 use crate::tools::cache_dir;
 use crate::workspace::Workspace;
 
@@ -61,9 +61,15 @@ pub fn compute_figures(workspace: &Workspace) -> Result<()> {
     process::run(test.args(["independent_intervals::", "figures_in_python::"]))
 }
 
-/// Lets LibreOffice open them.
+/// Lets LibreOffice Calc open them.
 pub fn open_csv_files(workspace: &Workspace) -> Result<()> {
-    let libreoffice = libreoffice::ensure()?;
+    let libreoffice = programs::ensure(
+        || programs::look_up("MOTORLINK_LIBREOFFICE", &["soffice", "libreoffice"]),
+        // Without windows: 90 MB.
+        &["libreoffice-calc-nogui"],
+        "LibreOffice is missing: install it (Debian: apt-get install libreoffice-calc-nogui) or name \
+         its program soffice in MOTORLINK_LIBREOFFICE",
+    )?;
     let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
     test.arg("libreoffice");
     process::run(test.env("MOTORLINK_LIBREOFFICE", libreoffice))
