@@ -178,14 +178,8 @@ impl Drive {
     /// and drops it if anything stops the motor meanwhile.
     pub(crate) fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {
         let mode = setpoint.mode();
-        let is_in_other_loop = self.page.latest.with_value(|session| {
-            let next = match session.motor(id).map(|motor| motor.activity) {
-                Some(Activity::Switching { to }) => Some(to),
-                _ => session.mode(id).map(|reading| reading.value),
-            };
-            next.is_some_and(|next| next != mode)
-        });
-        if is_in_other_loop {
+        let reported = self.page.latest.with_value(|session| session.mode(id));
+        if reported.is_some_and(|reading| reading.value != mode) {
             self.page.loops.asked.set(Some(mode));
             self.page.command(Command::SwitchMode { id, mode });
         }

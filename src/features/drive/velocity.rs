@@ -21,30 +21,17 @@ use crate::{
 
 const MODE: Mode = Mode::Velocity;
 
-/// The speed of the key `1`; the other digits are multiples of it.
-const RPM_OF_KEY: i32 = 50;
-
-/// The keys of this tab, as HTML. A key above the limit is refused, so it is not shown.
-fn hint(limit: i32) -> String {
+/// The keys of this tab, as HTML. Which speeds the digits have depends on the limit, so the help has them.
+fn hint() -> String {
     let key = |cap| format!("<kbd>{cap}</kbd>");
-    let last = (limit / RPM_OF_KEY).min(5);
-    let speeds = match last {
-        ..1 => String::new(),
-        1 => format!("{} {RPM_OF_KEY}\u{a0}{}", key('1'), format::rpm()),
-        _ => format!(
-            "{}–<kbd>{last}</kbd> {RPM_OF_KEY}–{}\u{a0}{}",
-            key('1'),
-            last * RPM_OF_KEY,
-            format::rpm()
-        ),
-    };
     let keys = tr!(
-        "{F}{B} forward, back {S} stop {K} brake {speeds}",
+        "{F}{B} forward, back {S} stop {K} brake {one}–{five} preset speeds",
         F = key('F'),
         B = key('B'),
         S = key('S'),
         K = key('K'),
-        speeds
+        one = key('1'),
+        five = key('5')
     );
     format!("<span class=\"keys\">{keys}</span>")
 }
@@ -162,23 +149,5 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             {preset(100, "+100")}
         </div>
     };
-    let hint = Signal::derive(move || hint(speed_limit(page)));
-    loop_panel(drive, MODE, start_blocked_by, hint, body)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_keys_within_the_limit_are_shown() {
-        for (limit, ends) in [
-            (330, "<kbd>1</kbd>–<kbd>5</kbd> 50–250\u{a0}rpm</span>"),
-            (120, "<kbd>1</kbd>–<kbd>2</kbd> 50–100\u{a0}rpm</span>"),
-            (99, "<kbd>1</kbd> 50\u{a0}rpm</span>"),
-            (49, "<kbd>K</kbd> brake </span>"),
-        ] {
-            assert!(hint(limit).ends_with(ends), "{}", hint(limit));
-        }
-    }
+    loop_panel(drive, MODE, start_blocked_by, hint().into(), body)
 }
