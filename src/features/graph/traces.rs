@@ -89,8 +89,7 @@ impl Tracing<'_> {
         now_us: u64,
     ) {
         let panes = traces.panes();
-        for (trace, pane) in panes.iter().zip(self.layout.panes(panes.len())) {
-            let trace = *trace;
+        for (&trace, pane) in panes.iter().zip(self.layout.panes(panes.len())) {
             let (lines, spreads) = match trace {
                 Trace::Current => mean_lines(history, track, trace, mirror, grid),
                 _ => (trace_lines(history, track, trace, mirror, grid), Vec::new()),

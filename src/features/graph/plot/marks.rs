@@ -74,21 +74,21 @@ impl Events {
                 self.faults.push((id, faults));
             }
             if !faults.is_none() && before != Some(faults) {
-                self.add(id, clock(sample.at), terms::faults(faults));
+                self.add(id, clock(sample.at), &terms::faults(faults));
             }
         }
         for notice in &update.notices {
             if let Notice::Withdrawn { id, reason } = notice {
-                self.add(*id, clock(update.now), why_withdrawn(*reason).0);
+                self.add(*id, clock(update.now), &why_withdrawn(*reason).0);
             }
         }
     }
 
-    fn add(&mut self, id: MotorId, at: Instant, words: String) {
+    fn add(&mut self, id: MotorId, at: Instant, words: &str) {
         if self.events.len() == EVENTS_MAX {
             self.events.remove(0);
         }
-        let words = format::capitalized(&words);
+        let words = format::capitalized(words);
         let kind = Kind::Event;
         self.events.push((id, Mark { at, kind, words }));
     }
