@@ -4,7 +4,7 @@ use crate::{
     features::drive::{limit::speed_refused, one_stop::stop_of},
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
+        guards::{start_blocked_by, stop_blocked_by, switch_blocked_by},
         local_storage::{remember, remembered},
         notice_board::Topic,
         page::{Dialog, Page},
@@ -157,7 +157,7 @@ impl Drive {
     /// Returns whether it drives, or asks first.
     fn drive_unless(self, refused: Option<String>, setpoint: Setpoint) -> bool {
         let id = self.page.selected.get_untracked();
-        let blocked = drive_blocked_by(&self.page.present(), id, setpoint.mode());
+        let blocked = start_blocked_by(&self.page.present(), id, setpoint.mode());
         if let Some(reason) = blocked.or(refused) {
             self.page.refuse(tr!("Motor {id} not started", id), reason);
             return false;

@@ -104,10 +104,13 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     });
     chart.page.history.update_value(|history| {
         history.on_new_data(Rc::new(move |update| {
-            if let Some(update) = update {
-                chart.events.borrow_mut().take(update);
-            }
-            if chart.asleep.get() {
+            let has_news = update.is_none_or(|update| {
+                let mut events = chart.events.borrow_mut();
+                let before = events.count();
+                events.take(update);
+                !update.samples.is_empty() || events.count() != before
+            });
+            if has_news && chart.asleep.get() {
                 waker();
             }
         }));
@@ -146,7 +149,13 @@ impl Stage {
     /// `None` if the element does not contain the elements of the view.
     fn of(chart: Chart, place: &HtmlElement) -> Option<Self> {
         let find = |selector: &str| place.query_selector(selector).ok().flatten();
-        let canvas = |selector: &str| find(selector)?.dyn_into::<HtmlCanvasElement>().ok();
+        let canvas = |selector: &str| {
+            let canvas = find(selector)?.dyn_into::<HtmlCanvasElement>().ok()?;
+            // It has the size of the plot. Within the flow it would make the plot larger in turn.
+            let style = HtmlElement::style(&canvas);
+            style.set_property("position", "absolute").ok()?;
+            Some(canvas)
+        };
         let plot: HtmlElement = find(".graph-plot")?.dyn_into().ok()?;
         Some(Self {
             axes: Axes::of(canvas(".graph-axes")?)?,
