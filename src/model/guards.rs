@@ -75,15 +75,10 @@ fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
 /// Why this motor cannot be driven in this loop now.
 pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
     // The bus sends the setpoint once the motor has switched.
-    blocked_by_motor(session, id, mode, Some(mode)).or_else(|| other_loop(session, id, mode))
-}
-
-/// The same for a start that switches the loop first.
-pub(crate) fn start_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
     blocked_by_motor(session, id, mode, Some(mode))
 }
 
-/// The same, of a motor that may be switching to the loop `next`, or can be switched to it.
+/// The same, of a motor that may be switching to the loop `next`.
 fn blocked_by_motor(
     session: &Session,
     id: MotorId,
@@ -106,20 +101,14 @@ fn blocked_by_motor(
     if reported == mode || is_next {
         return None;
     }
-    switch_blocked_by(session, id, mode)
-}
-
-/// That the motor must be switched to this loop first.
-fn other_loop(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    let reported = session.mode(id)?.value;
-    let switches = session.motor(id)?.activity == Activity::Switching { to: mode };
-    (reported != mode && !switches).then(|| {
-        tr!(
+    // A disabled button is no advice.
+    switch_blocked_by(session, id, mode).or_else(|| {
+        Some(tr!(
             "Motor {id} is in the {reported}. Press Switch to {mode} first.",
             id,
             reported = terms::mode(reported),
             mode = terms::mode(mode)
-        )
+        ))
     })
 }
 
@@ -142,9 +131,7 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
     }
     members.iter().find_map(|(id, _)| {
         // The bus starts no group with a motor that switches.
-        let mode = Mode::Velocity;
-        let reason = blocked_by_motor(session, *id, mode, None)
-            .or_else(|| other_loop(session, *id, mode))?;
+        let reason = blocked_by_motor(session, *id, Mode::Velocity, None)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason

@@ -11,13 +11,12 @@ use crate::model::snapshot::tests::{ID, session, status};
 const MODES: [Mode; 3] = Mode::ALL;
 
 #[test]
-fn a_motor_at_rest_is_driven_in_its_loop_and_started_in_any() {
+fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
     for reported in MODES {
         let session = session(1_000, status(1_000, reported, 0));
         for mode in MODES {
             let reason = drive_blocked_by(&session, ID, mode);
             assert_eq!(reason.is_none(), mode == reported, "{reported} {mode}");
-            assert_eq!(start_blocked_by(&session, ID, mode), None);
             let reason = switch_blocked_by(&session, ID, mode);
             assert_eq!(reason.is_none(), mode != reported, "{reported} {mode}");
         }
@@ -33,14 +32,11 @@ fn a_motor_at_rest_is_driven_in_its_loop_and_started_in_any() {
 #[test]
 fn a_loop_that_cannot_be_switched_to_says_what_has_to_be_done_first() {
     let turning = session(1_000, status(1_000, Mode::Velocity, 50));
-    for blocked_by in [drive_blocked_by, start_blocked_by] {
-        let reason = blocked_by(&turning, ID, Mode::Position).unwrap();
-        assert!(reason.contains("needs less than 10 rpm"), "{reason}");
-        assert!(!reason.contains("Press Switch"), "{reason}");
-    }
+    let reason = drive_blocked_by(&turning, ID, Mode::Position).unwrap();
+    assert!(reason.contains("needs less than 10 rpm"), "{reason}");
+    assert!(!reason.contains("Press Switch"), "{reason}");
     let reason = drive_blocked_by(&turning, ID, Mode::Current).unwrap();
     assert!(reason.contains("Press Switch to current loop"), "{reason}");
-    assert_eq!(start_blocked_by(&turning, ID, Mode::Current), None);
 }
 
 #[test]

@@ -169,7 +169,7 @@ impl Track {
     }
 }
 
-/// Called with every update, and without one when older replies were added.
+/// Called with every update, and without one when what is there is replaced or gets older replies.
 pub(crate) type Waker = Rc<dyn Fn(Option<&Update>)>;
 
 /// The history of every motor.
@@ -283,6 +283,7 @@ impl History {
                     // Motors of two lines are not drawn as one.
                     self.tracks.clear();
                     self.recalled = self.recalled.wrapping_add(1);
+                    self.wake();
                 }
             }
             _ => self.end(update.now),
@@ -312,7 +313,7 @@ impl History {
         }
     }
 
-    /// Calls `wake` whenever replies were added, with every update. It must not access the history.
+    /// Calls `wake` as [`Waker`] says. It must not access the history.
     pub(crate) fn on_new_data(&mut self, wake: Waker) {
         self.wake = Some(wake);
     }

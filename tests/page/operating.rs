@@ -59,25 +59,6 @@ async fn plus_one_hundred_drives_at_one_hundred() {
 }
 
 #[wasm_bindgen_test]
-async fn a_start_in_another_loop_switches_first() {
-    let bench = Bench::with_motor("other-loop", Mode::Velocity).await;
-    bench.find("tab", "Current").click();
-    bench
-        .until("the tab Current", || {
-            !bench.find_all("button", "+0.5 A").is_empty()
-        })
-        .await;
-    bench.click("+0.5 A");
-    let switch = Command::SwitchMode {
-        id: ID,
-        mode: Mode::Current,
-    };
-    let target = CurrentTarget::new(2_048).unwrap();
-    let drive = drive(Setpoint::Current(target), Consent::None);
-    assert_eq!(bench.commands().await, [switch, drive]);
-}
-
-#[wasm_bindgen_test]
 async fn keys_drive_and_stop() {
     let bench = Bench::with_motor("keys", Mode::Velocity).await;
     press("2");

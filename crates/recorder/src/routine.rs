@@ -2,7 +2,7 @@
 //!
 //! Each entry is classified once, when it is added, by the entries before it. A change is never routine:
 //! a different drive frame, a reply with another loop or other faults, or an error. Neither is a raw frame, nor
-//! its reply. A motor that stays silent is no change after the first time; its next reply is one.
+//! its reply. If several requests in a row have no reply, all but the first are routine, and the reply after them is not.
 
 use motorlink_bus::LineEventKind;
 use motorlink_protocol::{

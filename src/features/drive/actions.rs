@@ -4,7 +4,7 @@ use crate::{
     features::drive::{limit::speed_refused, one_stop::stop_of},
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        guards::{start_blocked_by, stop_blocked_by, switch_blocked_by},
+        guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
         local_storage::{remember, remembered},
         notice_board::Topic,
         page::{Dialog, Page},
@@ -157,7 +157,7 @@ impl Drive {
     /// Returns whether it drives, or asks first.
     fn drive_unless(self, refused: Option<String>, setpoint: Setpoint) -> bool {
         let id = self.page.selected.get_untracked();
-        let blocked = start_blocked_by(&self.page.present(), id, setpoint.mode());
+        let blocked = drive_blocked_by(&self.page.present(), id, setpoint.mode());
         if let Some(reason) = blocked.or(refused) {
             self.page.refuse(tr!("Motor {id} not started", id), reason);
             return false;
@@ -174,15 +174,7 @@ impl Drive {
         true
     }
 
-    /// Switches the loop first where it is another one: the bus keeps the setpoint until the motor reports the new loop,
-    /// and drops it if anything stops the motor meanwhile.
     pub(crate) fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {
-        let mode = setpoint.mode();
-        let reported = self.page.latest.with_value(|session| session.mode(id));
-        if reported.is_some_and(|reading| reading.value != mode) {
-            self.page.loops.asked.set(Some(mode));
-            self.page.command(Command::SwitchMode { id, mode });
-        }
         self.page.command(Command::Drive {
             id,
             setpoint,
@@ -193,7 +185,7 @@ impl Drive {
                 board.withdraw(topic);
             }
         });
-        self.page.follow(mode);
+        self.page.follow(setpoint.mode());
     }
 
     /// Adjusts a motor that is driven in this loop to the entered setpoint; starts nothing.

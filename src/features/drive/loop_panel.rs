@@ -5,7 +5,7 @@ use motorlink_messages::protocol::Mode;
 
 use crate::{
     features::drive::{actions::Drive, loop_head::LoopHead},
-    model::{guards::start_blocked_by, page::Page, tab::Tab},
+    model::{guards::drive_blocked_by, page::Page, tab::Tab},
     ui::{reactive::dynamic, tab_panel::tab_panel, target::Target},
 };
 
@@ -31,7 +31,7 @@ pub(crate) fn loop_panel(
 
 /// Why the selected motor cannot be driven in this loop now.
 pub(crate) fn loop_blocked_by(page: Page, mode: Mode) -> Signal<Option<String>> {
-    page.of_motor(move |session, id| start_blocked_by(session, id, mode))
+    page.of_motor(move |session, id| drive_blocked_by(session, id, mode))
         .into()
 }
 

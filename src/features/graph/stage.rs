@@ -18,7 +18,7 @@ use crate::{
             columns::Grid,
             comparison::{Comparison, Subject},
             layout::Layout,
-            marks::Mark,
+            marks::{Events, Mark},
             palette::{Palette, parse_colour},
             scale::{Fitting, Scales},
             view::View,
@@ -104,12 +104,16 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     });
     chart.page.history.update_value(|history| {
         history.on_new_data(Rc::new(move |update| {
-            let has_news = update.is_none_or(|update| {
-                let mut events = chart.events.borrow_mut();
-                let before = events.count();
+            let mut events = chart.events.borrow_mut();
+            let before = events.count();
+            let has_news = if let Some(update) = update {
                 events.take(update);
                 !update.samples.is_empty() || events.count() != before
-            });
+            } else {
+                // Other motors may have these IDs now: those of a recording, or of another line.
+                *events = Events::default();
+                true
+            };
             if has_news && chart.asleep.get() {
                 waker();
             }

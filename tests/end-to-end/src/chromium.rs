@@ -50,7 +50,7 @@ pub struct Chromium {
     // The browser must be dropped before the thread that ends it.
     browser: Browser,
     blocking: Blocking,
-    /// That of its first process.
+    /// The ID of the browser's first process.
     pub process_id: u32,
 }
 

@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::net::{Ipv4Addr, TcpListener};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -14,7 +15,7 @@ use tempfile::TempDir;
 
 use crate::chromium::Chromium;
 
-/// That of the built page which no bench uses now.
+/// Equipment for the built page that no bench uses now.
 static IDLE: Mutex<Vec<Arc<Equipment>>> = Mutex::new(Vec::new());
 
 /// A browser, the server of its page, and their directories.
@@ -49,12 +50,12 @@ impl Equipment {
 
     /// Takes away all that a bench left.
     pub fn clear(&self) -> Result<()> {
+        self.chromium.forget(&self.origin)?;
         for dir in [self.udev_dir(), self.downloads()] {
             for file in fs::read_dir(dir)? {
                 fs::remove_file(file?.path())?;
             }
         }
-        self.chromium.forget(&self.origin)?;
         if self.cleaner.get().is_none() {
             let _ = self
                 .cleaner
@@ -91,12 +92,16 @@ struct Cleaner(#[expect(dead_code, reason = "its standard input closes with it")
 
 impl Cleaner {
     fn start(browser: u32, dir: &Path) -> Result<Self> {
-        // The browser ends its helper processes first, which write into the directory.
-        const CLEAN: &str = "cat; kill \"$0\"; sleep 1; kill -9 \"$0\"; rm -rf \"$1\"";
+        // The browser ends its helper processes first, which write into the directory. A process that does not name the
+        // directory is another one with the same ID.
+        const CLEAN: &str =
+            "cat; grep -q \"$1\" \"/proc/$0/cmdline\" && kill \"$0\" && sleep 1; rm -rf \"$1\"";
         let mut shell = Command::new("sh");
         shell.args(["-c", CLEAN, &browser.to_string()]).arg(dir);
         shell.stdin(Stdio::piped());
         shell.stdout(Stdio::null()).stderr(Stdio::null());
+        // Ctrl-C ends the tests, not this.
+        shell.process_group(0);
         let shell = shell.spawn().context("no shell that cleans up")?;
         Ok(Self(shell))
     }

@@ -3,7 +3,7 @@
 
 use std::{fmt::Write, time::Duration};
 
-use motorlink_bus::{CommandedValue, LineEvent};
+use motorlink_bus::{CommandedValue, LineEvent, commanded};
 use motorlink_messages::experiments::{
     number::sin_cos,
     odometry::{Link, Odometer, Report, Step},
@@ -55,6 +55,7 @@ impl Rover {
     /// The line was opened or closed: how the wheels have turned meanwhile is unknown.
     pub(crate) fn cut_off(&mut self) {
         self.replied.clear();
+        self.commands = Commands::default();
     }
 
     /// Takes an event of a line of this model.
@@ -64,7 +65,7 @@ impl Rover {
         let is_due = self
             .commanded
             .is_none_or(|last| at.since(last) >= COMMAND_EVERY);
-        if !is_due || event.kind.sent().is_none() {
+        if !is_due || commanded(model, &event.kind).is_none() {
             return;
         }
         let wheels = self.vehicle.wheels().iter().map(|wheel| {

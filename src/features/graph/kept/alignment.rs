@@ -66,6 +66,18 @@ pub(crate) fn moments(track: &Track) -> impl Iterator<Item = (&GoalChange, Align
     })
 }
 
+/// The target of a change and of those that count as one with it: that of a slider when it comes to rest.
+pub(crate) fn goal_after(track: &Track, change: &GoalChange) -> Option<Setpoint> {
+    let mut last = *change;
+    for next in track.goals().skip_while(|goal| goal.at <= change.at) {
+        if next.at.since(last.at) >= ONE_CHANGE || driven_to(next.goal).is_none() {
+            break;
+        }
+        last = *next;
+    }
+    last.goal
+}
+
 /// The brake ends a drive.
 fn driven_to(goal: Option<Setpoint>) -> Option<Setpoint> {
     goal.filter(|goal| *goal != Setpoint::Brake)

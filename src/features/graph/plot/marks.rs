@@ -8,7 +8,7 @@ use motorlink_messages::{
 
 use crate::{
     features::graph::{
-        kept::alignment::{Align, moments},
+        kept::alignment::{Align, goal_after, moments},
         plot::columns::Grid,
     },
     model::{
@@ -106,8 +106,12 @@ impl Events {
         mirror: Mirror,
         grid: Grid,
     ) -> Vec<Mark> {
-        let commands = moments(track).map(|(change, align)| {
-            let target = change.goal.map(|goal| format::goal(mirror.setpoint(goal)));
+        let shown = grid.left_us()..=grid.right_us();
+        let is_shown = |at: Instant| shown.contains(&at.as_micros());
+        let commands = moments(track).filter(|(change, _)| is_shown(change.at));
+        let commands = commands.map(|(change, align)| {
+            let goal = goal_after(track, change);
+            let target = goal.map(|goal| format::goal(mirror.setpoint(goal)));
             let target = target.unwrap_or_default();
             let (kind, words) = match align {
                 Align::Start => (Kind::Start, tr!("Start: {target}", target)),
@@ -117,11 +121,10 @@ impl Events {
             let at = change.at;
             Mark { at, kind, words }
         });
-        let events = self.events.iter().filter(|(of, _)| *of == id);
-        let shown = grid.left_us()..=grid.right_us();
+        let events = self.events.iter();
+        let events = events.filter(|(of, mark)| *of == id && is_shown(mark.at));
         let mut marks: Vec<Mark> = commands
             .chain(events.map(|(_, mark)| mark.clone()))
-            .filter(|mark| shown.contains(&mark.at.as_micros()))
             .collect();
         marks.sort_by_key(|mark| mark.at);
         marks

@@ -139,15 +139,15 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
 }
 
 #[test]
-fn go_switches_to_the_position_loop_and_stop_holds_the_angle() -> Result<()> {
+fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Position")?;
-    // It switches the loop first.
-    page.click("button", "90°")?;
+    page.click("button", "Switch to position loop")?;
     page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("position")
     })?;
+    page.click("button", "90°")?;
     let at_90 = |text: &str| number(text).is_some_and(|angle| (angle - 90.0).abs() < 3.0);
     page.wait_for_text("output", "Position", at_90)?;
     page.click("button", "Stop")?;
@@ -206,7 +206,7 @@ fn letters_drive_and_stop() -> Result<()> {
 
 #[test]
 fn the_virtual_motor_needs_no_hardware() -> Result<()> {
-    let bench = Bench::reuse()?;
+    let bench = Bench::start()?;
     let page = bench.open("/?port=virtual")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
@@ -219,7 +219,7 @@ fn the_virtual_motor_needs_no_hardware() -> Result<()> {
 
 #[test]
 fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
-    let bench = Bench::reuse()?;
+    let bench = Bench::start()?;
     let adapter = bench.plug(Line::with_motors(&[7]), Usb::default())?;
     let page = bench.open("/")?;
     crate::fixture::connect(&page)?;
@@ -258,7 +258,7 @@ fn the_panel_says_what_has_to_be_done_before_another_loop() -> Result<()> {
     page.press("s")?;
     wait_for_speed(page, 0..=0)?;
     page.click("tab", "Position")?;
-    wait_until_enabled(page, "button", "Go", true)?;
+    wait_for_reason("Press Switch to position loop")?;
     page.click("button", "Switch to position loop")?;
     wait_until_enabled(page, "button", "Go", true)?;
     // Go is enabled while the motor still switches.
