@@ -178,6 +178,8 @@ impl Log {
         let Some(mut before) = self.cleared.take() else {
             return false;
         };
+        // An entry that comes late moves the newest of these: the view counts only those that it has filtered.
+        before.advance(REORDER_MAX);
         for number in self.settle() {
             before.copy(self, number, |at| at);
         }
