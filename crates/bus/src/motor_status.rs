@@ -65,3 +65,25 @@ pub struct MotorStatus {
     /// Counters of the exchanges with it.
     pub counters: Counters,
 }
+
+impl MotorStatus {
+    /// An idle motor of which nothing is known.
+    #[must_use]
+    pub fn unknown(id: MotorId) -> Self {
+        Self {
+            id,
+            activity: Activity::Idle,
+            last: None,
+            speed: None,
+            current: None,
+            position: None,
+            temperature: None,
+            turns: None,
+            silent: false,
+            may_turn: false,
+            turns_unasked: false,
+            link: LinkQuality::default(),
+            counters: Counters::default(),
+        }
+    }
+}

@@ -14,15 +14,8 @@ fn with_states() -> Vec<Record> {
     let mut records = records();
     let first = records[0].clone();
     let update = Update {
-        now: first.at,
-        connection: Connection::Disconnected,
         halted: true,
-        motors: Vec::new(),
-        job: None,
-        raw: None,
-        line: None,
-        samples: Vec::new(),
-        notices: Vec::new(),
+        ..Update::without_motors(first.at, Connection::Disconnected)
     };
     let what = What::State(Box::new(update));
     records.insert(1, Record { what, ..first });

@@ -115,8 +115,12 @@ fn pan_values(chart: Chart, drag: Drag, y: f64) {
 pub(crate) fn up(chart: Chart) {
     let drag = chart.drag.take();
     let zoom_box = chart.zoom_box.take();
-    if let Some(drag) = drag.filter(|drag| !drag.begun) {
-        let column = chart.layout.get().column(drag.from.0);
+    let layout = chart.layout.get();
+    let click = drag.filter(|drag| !drag.begun);
+    let column = click.map(|drag| layout.column(drag.from.0));
+    // Beside the plot are the labels of the axes.
+    let columns = f64::from(layout.columns());
+    if let Some(column) = column.filter(|column| (0.0..=columns).contains(column)) {
         let at_us = chart.grid.get().moment_us(column);
         // While there is a second cursor, a click is for it.
         match chart.reference.get_untracked() {

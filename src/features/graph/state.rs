@@ -341,7 +341,9 @@ impl Chart {
         if (to_y - from_y).abs() >= BOX_MIN_PX {
             let count = self.traces.get_untracked().panes().len();
             let place = |y| limited(layout.place_in(count, pane.place, y), 0.0, 1.0);
-            let scale = pane.scale.part(pane.trace, (place(from_y), place(to_y)));
+            // The axis may have been fitted since the press.
+            let scale = self.scales.get().of(pane.trace);
+            let scale = scale.part(pane.trace, (place(from_y), place(to_y)));
             self.fit(self.fitting.get_untracked().with(pane.trace, scale));
         }
         if (to_x - from_x).abs() >= BOX_MIN_PX {

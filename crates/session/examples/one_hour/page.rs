@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{
-    Activity, Counters, LineEvent, LineSamples, LineStatus, LinkQuality, MotorStatus, TurnCounter,
-};
+use motorlink_bus::{Activity, LineEvent, LineSamples, LineStatus, MotorStatus, TurnCounter};
 use motorlink_messages::{Adapter, Connection, ToPage, Update, encode};
 use motorlink_protocol::{Instant, MotorId, Setpoint, SpeedTarget};
 
@@ -26,21 +24,11 @@ impl Page {
             turns: TurnCounter::default(),
             update,
             motor: MotorStatus {
-                id: MotorId::FIRST,
                 activity: Activity::Driven {
                     setpoint: Setpoint::velocity(SpeedTarget::ZERO),
                 },
-                last: None,
-                speed: None,
-                current: None,
-                position: None,
-                temperature: None,
-                turns: None,
-                silent: false,
                 may_turn: true,
-                turns_unasked: false,
-                link: LinkQuality::default(),
-                counters: Counters::default(),
+                ..MotorStatus::unknown(MotorId::FIRST)
             },
         }
     }

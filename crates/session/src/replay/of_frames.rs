@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use motorlink_bus::{
-    Activity, Counters, LineEvent, LineEventKind, LineSamples, LineStatus, LinkQuality,
-    MotorStatus, Sample, TurnCounter, commanded, commanded_setpoint,
+    Activity, LineEvent, LineEventKind, LineSamples, LineStatus, MotorStatus, Sample, TurnCounter,
+    commanded, commanded_setpoint,
 };
 use motorlink_messages::{Connection, Update};
 use motorlink_protocol::{Detail, Instant, MotorId};
@@ -118,21 +118,7 @@ impl OfFrames {
 impl Motor {
     fn new(id: MotorId) -> Self {
         Self {
-            status: MotorStatus {
-                id,
-                activity: Activity::Idle,
-                last: None,
-                speed: None,
-                current: None,
-                position: None,
-                temperature: None,
-                turns: None,
-                silent: false,
-                may_turn: false,
-                turns_unasked: false,
-                link: LinkQuality::default(),
-                counters: Counters::default(),
-            },
+            status: MotorStatus::unknown(id),
             turns: TurnCounter::default(),
             drove: Instant::ZERO,
         }

@@ -90,7 +90,7 @@ pub(crate) fn shift_us(kept: Instant, shown: Instant) -> i64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use motorlink_messages::{
         bus::{Activity, MotorStatus},
         protocol::{Mode, SpeedTarget},
@@ -105,7 +105,7 @@ mod tests {
         snapshot::tests::{ID, status},
     };
 
-    fn rpm(rpm: i32) -> Activity {
+    pub(crate) fn rpm(rpm: i32) -> Activity {
         let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
         Activity::Driven { setpoint }
     }

@@ -3,6 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice, Update,
+    bus::WithdrawReason,
     protocol::{Faults, Instant, MotorId},
 };
 
@@ -54,10 +55,17 @@ pub(crate) struct Mark {
     pub(crate) words: String,
 }
 
+/// What happened to a motor without a command.
+#[derive(Clone, Copy, Debug)]
+enum Event {
+    Faults(Faults),
+    Withdrawn(WithdrawReason),
+}
+
 /// What happened to motors without a command, oldest first.
 #[derive(Debug, Default)]
 pub(crate) struct Events {
-    events: Vec<(MotorId, Mark)>,
+    events: Vec<(MotorId, Instant, Event)>,
     faults: Vec<(MotorId, Faults)>,
 }
 
@@ -74,23 +82,21 @@ impl Events {
                 self.faults.push((id, faults));
             }
             if !faults.is_none() && before != Some(faults) {
-                self.add(id, clock(sample.at), &terms::faults(faults));
+                self.add(id, clock(sample.at), Event::Faults(faults));
             }
         }
         for notice in &update.notices {
             if let Notice::Withdrawn { id, reason } = notice {
-                self.add(*id, clock(update.now), &why_withdrawn(*reason).0);
+                self.add(*id, clock(update.now), Event::Withdrawn(*reason));
             }
         }
     }
 
-    fn add(&mut self, id: MotorId, at: Instant, words: &str) {
+    fn add(&mut self, id: MotorId, at: Instant, event: Event) {
         if self.events.len() == EVENTS_MAX {
             self.events.remove(0);
         }
-        let words = format::capitalized(words);
-        let kind = Kind::Event;
-        self.events.push((id, Mark { at, kind, words }));
+        self.events.push((id, at, event));
     }
 
     /// Changes whenever there is another one, except after very many.
@@ -122,10 +128,16 @@ impl Events {
             Mark { at, kind, words }
         });
         let events = self.events.iter();
-        let events = events.filter(|(of, mark)| *of == id && is_shown(mark.at));
-        let mut marks: Vec<Mark> = commands
-            .chain(events.map(|(_, mark)| mark.clone()))
-            .collect();
+        let events = events.filter(|(of, at, _)| *of == id && is_shown(*at));
+        let events = events.map(|&(_, at, event)| Mark {
+            at,
+            kind: Kind::Event,
+            words: format::capitalized(&match event {
+                Event::Faults(faults) => terms::faults(faults),
+                Event::Withdrawn(reason) => why_withdrawn(reason).0,
+            }),
+        });
+        let mut marks: Vec<Mark> = commands.chain(events).collect();
         marks.sort_by_key(|mark| mark.at);
         marks
     }
@@ -134,23 +146,21 @@ impl Events {
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
-        bus::{Activity, MotorStatus, WithdrawReason},
-        protocol::{Mode, Setpoint, SpeedTarget},
+        bus::{Activity, MotorStatus},
+        protocol::Mode,
     };
 
     use super::*;
-    use crate::model::{
-        history::{
-            History,
-            tests::{sample, update},
+    use crate::{
+        features::graph::kept::alignment::tests::rpm,
+        model::{
+            history::{
+                History,
+                tests::{sample, update},
+            },
+            snapshot::tests::{ID, status},
         },
-        snapshot::tests::{ID, status},
     };
-
-    fn rpm(rpm: i32) -> Activity {
-        let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
-        Activity::Driven { setpoint }
-    }
 
     #[test]
     fn commands_and_events_are_marked_in_their_order() {
