@@ -16,8 +16,8 @@ pub(crate) struct State {
     pub(crate) stored: Vec<u8>,
 }
 
-/// Lines whose beginnings are kept.
-const LINES_MAX: usize = 32;
+/// The last line, the one before it, and one more, whose end is where that one begins.
+const LINES_MAX: usize = 3;
 
 /// The lines, in order of time: a line is all that one adapter, or one set of virtual motors, has carried until another
 /// was connected. Two adapters of one make are alike.
