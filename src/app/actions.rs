@@ -35,7 +35,6 @@ impl Features {
             self.page.worker.stopped_early.set_value(true);
         }
         self.page.command(Command::StopAll(reason));
-        self.page.loops.asked.set(None);
         self.page.dialog.set(None);
         self.page.announce(Change::Declined);
         self.raw.forget_pending();
@@ -74,9 +73,9 @@ impl Features {
             KeyAction::Forward => self.drive.drive_at(self.drive.targets.preset_rpm()),
             KeyAction::Backward => self.drive.drive_at(-self.drive.targets.preset_rpm()),
             KeyAction::Preset(rpm) => self.drive.drive_at(rpm),
-            KeyAction::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+            KeyAction::Stop => self.drive.stop_motor(),
             KeyAction::Brake => self.drive.drive(Setpoint::Brake),
-            KeyAction::Switch(mode) => self.drive.switch(mode),
+            KeyAction::Show(mode) => self.drive.show(mode),
             KeyAction::Help => self.page.dialog.set(Some(Dialog::Help(None))),
         }
     }
@@ -138,7 +137,7 @@ impl Features {
             TourAction::PickPort => self.connect.choose_port(true),
             TourAction::ConnectVirtual => self.connect.connect_virtual(),
             TourAction::Spin(rpm) => self.drive.drive_at(rpm),
-            TourAction::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+            TourAction::Stop => self.drive.stop_motor(),
         }
     }
 }

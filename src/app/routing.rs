@@ -4,7 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_i18n::untranslated;
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
-    bus::{IdQueryOutcome, StopReason},
+    bus::IdQueryOutcome,
     protocol::{Instant, Mode},
 };
 
@@ -141,7 +141,6 @@ impl Features {
             Connection::Disconnected | Connection::Connecting | Connection::Reconnecting(_) => {}
         }
         if matches!(before, Connection::Connected(_)) {
-            self.page.loops.asked.set(None);
             self.readings.forget();
             self.readings.end_faults_of_silent(None);
             self.page.announce(Change::Disconnected);
@@ -166,10 +165,6 @@ impl Features {
             Notice::MotorSilent { id, .. } => self.readings.end_faults_of_silent(Some(*id)),
             // It may be back before the page learned of the loss.
             Notice::AdapterLost { .. } => self.page.withdraw_question(),
-            // The bus ends a stop in the velocity loop.
-            Notice::StopBegan(reason) if *reason != StopReason::OneMotor => {
-                self.page.loops.asked.set(None);
-            }
             _ => {}
         }
         // A scan in a recording proves nothing about the line.

@@ -38,7 +38,10 @@ impl Page {
         let mirror = |id| self.motors.names.with_untracked(|names| names.mirror(id));
         if matches!(
             command,
-            Command::Drive { .. } | Command::DriveGroup { .. } | Command::SendRaw { .. }
+            Command::Start { .. }
+                | Command::Drive { .. }
+                | Command::DriveGroup { .. }
+                | Command::SendRaw { .. }
         ) {
             self.worker.started_ms.set_value(page_now_ms());
         }

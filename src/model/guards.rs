@@ -15,7 +15,7 @@ use crate::{
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection,
-    bus::{Activity, GroupError, GroupSetpoints, Refusal, check_position_switch},
+    bus::{Activity, GroupError, GroupSetpoints, Refusal},
     protocol::{Mode, MotorId},
 };
 
@@ -59,57 +59,43 @@ fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
     }
 }
 
-/// What the motor has to finish first.
-fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
-    match activity {
-        Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
-        Activity::Switching { to } => Some(tr!(
-            "Motor {id} is switching to the {mode}.",
-            id,
-            mode = terms::mode(to)
-        )),
-        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => None,
-    }
-}
-
-/// Why this motor cannot be driven in this loop now.
+/// Why this motor cannot be driven in this loop now. The bus stops and switches it first.
 pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    // The bus sends the setpoint once the motor has switched.
-    blocked_by_motor(session, id, mode, Some(mode))
-}
-
-/// The same, of a motor that may be switching to the loop `next`.
-fn blocked_by_motor(
-    session: &Session,
-    id: MotorId,
-    mode: Mode,
-    next: Option<Mode>,
-) -> Option<String> {
+    // A key asks for any loop.
+    let model = session.line.map(|line| line.model);
+    if let Some(model) = model.filter(|model| !model.has(mode)) {
+        return Some(terms::refusal(Refusal::NoSuchLoop { model, mode }));
+    }
     if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
-    let activity = session.motor(id)?.activity;
-    let is_next = matches!(activity, Activity::Switching { to } if next == Some(to));
-    if !is_next && let Some(reason) = blocked_by_activity(id, activity) {
+    let faults = session.faults(id)?.value;
+    faults
+        .any_named()
+        .then(|| terms::refusal(Refusal::FaultActive { id, faults }))
+}
+
+/// Why this motor cannot be driven at once, without a stop or a switch before: in a group, or by a run.
+pub(crate) fn in_loop_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    if let Some(reason) = drive_blocked_by(session, id, mode) {
         return Some(reason);
     }
-    let faults = session.faults(id)?.value;
-    if faults.any_named() {
-        return Some(terms::refusal(Refusal::FaultActive { id, faults }));
-    }
-    let reported = session.mode(id)?.value;
-    if reported == mode || is_next {
-        return None;
-    }
-    // A disabled button is no advice.
-    switch_blocked_by(session, id, mode).or_else(|| {
-        Some(tr!(
-            "Motor {id} is in the {reported}. Press Switch to {mode} first.",
-            id,
-            reported = terms::mode(reported),
-            mode = terms::mode(mode)
-        ))
-    })
+    let refusal = match session.motor(id)?.activity {
+        Activity::Stopping { .. } => Refusal::Stopping(id),
+        Activity::Switching { .. } => Refusal::Switching(id),
+        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {
+            let reported = session.mode(id)?.value;
+            if reported == mode {
+                return None;
+            }
+            Refusal::OtherLoop {
+                id,
+                asked: mode,
+                reported,
+            }
+        }
+    };
+    Some(terms::refusal(refusal))
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
@@ -130,8 +116,17 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
         return Some(terms::not_together(GroupError::TooMany));
     }
     members.iter().find_map(|(id, _)| {
-        // The bus starts no group with a motor that switches.
-        let reason = blocked_by_motor(session, *id, Mode::Velocity, None)?;
+        let reason = in_loop_blocked_by(session, *id, Mode::Velocity)?;
+        if let Some(mode) = session.mode(*id).filter(|mode| mode.value != Mode::Velocity)
+            && drive_blocked_by(session, *id, Mode::Velocity).is_none()
+        {
+            let reported = terms::mode(mode.value);
+            return Some(tr!(
+                "Motor {id} is in the {reported}. Press its Stop, which switches it to the velocity loop.",
+                id,
+                reported
+            ));
+        }
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason
@@ -158,33 +153,6 @@ pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<S
             id
         )
     })
-}
-
-/// Why this motor's loop cannot be changed to this one now.
-pub(crate) fn switch_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    // A key asks for any loop.
-    let model = session.line.map(|line| line.model);
-    if let Some(model) = model.filter(|model| !model.has(mode)) {
-        return Some(terms::refusal(Refusal::NoSuchLoop { model, mode }));
-    }
-    if let Some(reason) = request_blocked_by(session, id) {
-        return Some(reason);
-    }
-    if let Some(reason) = blocked_by_activity(id, session.motor(id)?.activity) {
-        return Some(reason);
-    }
-    if session.mode(id)?.value == mode {
-        return Some(tr!(
-            "The motor is already in the {mode}.",
-            mode = terms::mode(mode)
-        ));
-    }
-    if mode != Mode::Position {
-        return None;
-    }
-    let speed = session.speed(id).filter(super::snapshot::Reading::is_fresh);
-    let speed = speed.map(|reading| reading.value);
-    check_position_switch(id, speed).err().map(terms::refusal)
 }
 
 /// Why this motor cannot be stopped by its own button. "Stop all motors" can always be pressed.

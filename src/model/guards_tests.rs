@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     bus::JobStatus,
-    protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+    protocol::{Faults, Setpoint, SpeedTarget},
 };
 
 use super::*;
@@ -11,32 +11,13 @@ use crate::model::snapshot::tests::{ID, session, status};
 const MODES: [Mode; 3] = Mode::ALL;
 
 #[test]
-fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
+fn a_motor_that_reports_a_loop_can_be_started_in_each() {
     for reported in MODES {
-        let session = session(1_000, status(1_000, reported, 0));
+        let turning = session(1_000, status(1_000, reported, 50));
         for mode in MODES {
-            let reason = drive_blocked_by(&session, ID, mode);
-            assert_eq!(reason.is_none(), mode == reported, "{reported} {mode}");
-            let reason = switch_blocked_by(&session, ID, mode);
-            assert_eq!(reason.is_none(), mode != reported, "{reported} {mode}");
+            assert_eq!(drive_blocked_by(&turning, ID, mode), None);
         }
     }
-    let session = session(1_000, status(1_000, Mode::Current, 0));
-    assert_eq!(
-        drive_blocked_by(&session, ID, Mode::Velocity).unwrap(),
-        "Motor 0x01 is in the current loop. Press Switch to velocity loop first."
-    );
-}
-
-/// The button that switches is disabled then.
-#[test]
-fn a_loop_that_cannot_be_switched_to_says_what_has_to_be_done_first() {
-    let turning = session(1_000, status(1_000, Mode::Velocity, 50));
-    let reason = drive_blocked_by(&turning, ID, Mode::Position).unwrap();
-    assert!(reason.contains("needs less than 10 rpm"), "{reason}");
-    assert!(!reason.contains("Press Switch"), "{reason}");
-    let reason = drive_blocked_by(&turning, ID, Mode::Current).unwrap();
-    assert!(reason.contains("Press Switch to current loop"), "{reason}");
 }
 
 #[test]
@@ -75,12 +56,6 @@ fn nothing_drives_while_it_must_not() {
         s.motors[0].silent = true;
         s.garbled = vec![ID];
     });
-    case("is stopping", &|s| {
-        s.motors[0].activity = Activity::Stopping { confirmed: false };
-    });
-    case("switching to the current loop", &|s| {
-        s.motors[0].activity = Activity::Switching { to: Mode::Current };
-    });
     case("stall", &|s| {
         let sample = s.motors[0].last.as_mut().unwrap();
         sample.reply.faults = Faults::from_byte(8);
@@ -91,17 +66,30 @@ fn nothing_drives_while_it_must_not() {
     }
 }
 
-/// The bus sends the setpoint as soon as the motor has switched. It starts no group before that.
+/// The bus drives one motor when it stands in its new loop. It starts no group before that.
 #[test]
-fn a_motor_that_switches_takes_a_setpoint_of_its_new_loop() {
-    let mut session = session(1_000, status(1_000, Mode::Current, 0));
-    let to = Mode::Velocity;
-    session.motors[0].activity = Activity::Switching { to };
-    assert_eq!(drive_blocked_by(&session, ID, Mode::Velocity), None);
-    let other = drive_blocked_by(&session, ID, Mode::Current).unwrap();
-    assert!(other.contains("switching to the velocity loop"), "{other}");
-    let group = group_drive_blocked_by(&session, &vec![(ID, Side::Left)]).unwrap();
-    assert!(group.contains("switching to the velocity loop"), "{group}");
+fn a_motor_that_stops_or_switches_can_be_started_alone() {
+    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+    let members = vec![(ID, Side::Left)];
+    assert_eq!(group_drive_blocked_by(&session, &members), None);
+    for (activity, words) in [
+        (
+            Activity::Switching { to: Mode::Velocity },
+            "switching loops",
+        ),
+        (Activity::Stopping { confirmed: false }, "is stopping"),
+    ] {
+        session.motors[0].activity = activity;
+        for mode in MODES {
+            assert_eq!(drive_blocked_by(&session, ID, mode), None);
+        }
+        let group = group_drive_blocked_by(&session, &members).unwrap();
+        assert!(group.contains(words), "{group}");
+    }
+    session.motors[0].activity = Activity::Idle;
+    session.motors[0].last.as_mut().unwrap().reply.mode = Mode::Current;
+    let group = group_drive_blocked_by(&session, &members).unwrap();
+    assert!(group.contains("Press its Stop"), "{group}");
     session.motors[0].last.as_mut().unwrap().reply.faults = Faults::from_byte(8);
     let fault = drive_blocked_by(&session, ID, Mode::Velocity).unwrap();
     assert!(fault.contains("stall"), "{fault}");
@@ -228,17 +216,6 @@ fn a_driven_motor_takes_another_target() {
     };
     let session = session(1_000, driven);
     assert_eq!(drive_blocked_by(&session, ID, Mode::Velocity), None);
-}
-
-#[test]
-fn the_position_loop_needs_a_wheel_that_is_known_to_be_slow() {
-    for (rpm, allowed) in [(0, true), (9, true), (-9, true), (10, false), (-10, false)] {
-        let session = session(1_000, status(1_000, Mode::Velocity, rpm));
-        let reason = switch_blocked_by(&session, ID, Mode::Position);
-        assert_eq!(reason.is_none(), allowed, "{}", Rpm::new(rpm));
-    }
-    let old = session(1_000, status(400, Mode::Velocity, 0));
-    assert!(switch_blocked_by(&old, ID, Mode::Position).is_some());
 }
 
 #[test]

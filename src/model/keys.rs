@@ -155,17 +155,17 @@ pub(crate) enum KeyAction {
     Brake,
     /// Drive at this many rpm.
     Preset(i32),
-    /// Switch the motor's loop.
-    Switch(Mode),
+    /// Show the tab of a loop.
+    Show(Mode),
     /// Open the help.
     Help,
 }
 
 impl KeyAction {
-    /// Whether it may start a wheel or change the loop of a motor.
+    /// Whether it may start a wheel, or leaves a tool.
     pub(crate) const fn drives(self) -> bool {
         match self {
-            Self::Forward | Self::Backward | Self::Preset(_) | Self::Switch(_) => true,
+            Self::Forward | Self::Backward | Self::Preset(_) | Self::Show(_) => true,
             Self::Stop | Self::Brake | Self::Help => false,
         }
     }
@@ -187,9 +187,9 @@ pub(crate) fn key_action(key: &str, modified: bool, focus: Focus) -> Option<KeyA
         "3" => KeyAction::Preset(150),
         "4" => KeyAction::Preset(200),
         "5" => KeyAction::Preset(250),
-        "v" | "V" => KeyAction::Switch(Mode::Velocity),
-        "c" | "C" => KeyAction::Switch(Mode::Current),
-        "p" | "P" => KeyAction::Switch(Mode::Position),
+        "v" | "V" => KeyAction::Show(Mode::Velocity),
+        "c" | "C" => KeyAction::Show(Mode::Current),
+        "p" | "P" => KeyAction::Show(Mode::Position),
         "?" => KeyAction::Help,
         _ => return None,
     })

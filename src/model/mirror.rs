@@ -77,6 +77,15 @@ impl Mirror {
 /// [`crate::features::groups::wheels::group_setpoints`].
 pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
     match command {
+        Command::Start {
+            id,
+            setpoint,
+            consent,
+        } => Command::Start {
+            id,
+            setpoint: mirror(id).setpoint(setpoint),
+            consent,
+        },
         Command::Drive {
             id,
             setpoint,

@@ -51,7 +51,6 @@ impl Page {
     pub(crate) fn select(self, id: MotorId) {
         self.withdraw_question();
         self.selected.set(id);
-        self.loops.asked.set(None);
         self.notices.update(|board| board.withdraw(Topic::Answer));
         self.loops.tab_to_follow.set_value(true);
         self.announce(Change::Motor);

@@ -157,8 +157,6 @@ pub(crate) struct Loops {
     pub(crate) tab: RwSignal<Tab>,
     /// Set on connecting until the tab has followed the motor's loop.
     pub(crate) tab_to_follow: StoredValue<bool>,
-    /// The last requested loop, until a stop or a change of motor.
-    pub(crate) asked: RwSignal<Option<Mode>>,
 }
 
 type OnChange = Box<dyn Fn(Change<'_>)>;
@@ -247,7 +245,6 @@ impl Page {
             loops: Loops {
                 tab: RwSignal::new(Tab::FIRST),
                 tab_to_follow: StoredValue::new(false),
-                asked: RwSignal::new(None),
             },
             settings,
             notices: RwSignal::new(NoticeBoard::default()),

@@ -164,6 +164,7 @@ impl Session {
             }
             self.mirrored.push(motor.id);
             motor.activity = mirror.activity(motor.activity);
+            motor.waiting = motor.waiting.map(|setpoint| mirror.setpoint(setpoint));
             motor.speed = motor.speed.map(|(at, speed)| (at, mirror.speed(speed)));
             motor.current = motor
                 .current
@@ -189,6 +190,9 @@ impl Session {
             (
                 motor.id,
                 session.mirror(motor.id).activity(motor.activity),
+                motor
+                    .waiting
+                    .map(|setpoint| session.mirror(motor.id).setpoint(setpoint)),
                 (motor.silent, motor.may_turn, motor.turns_unasked),
                 reply.map(|reply| (reply.mode, reply.faults)),
             )

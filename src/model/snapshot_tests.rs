@@ -26,6 +26,7 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
     };
     let at = Instant::from_millis(at_ms);
     MotorStatus {
+        waiting: None,
         id: ID,
         activity: Activity::Idle,
         last: Some(Sample { at, reply }),

@@ -125,6 +125,7 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             "Motor {id} is stopping. Press again when it has stopped.",
             id
         ),
+        Refusal::NotStopped(id) => tr!("Motor {id} has not confirmed standstill.", id),
         Refusal::NotHolding(id) => tr!(
             "Motor {id} is not running in the position loop: nothing to stop.",
             id

@@ -305,6 +305,7 @@ pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
     // A report that stays fresh for as long as a test takes.
     let at = now() + std::time::Duration::from_secs(60);
     MotorStatus {
+        waiting: None,
         id: MotorId::FIRST,
         activity,
         last: Some(Sample { at, reply }),

@@ -52,7 +52,6 @@ const ALWAYS: [(&str, &str); 42] = [
 ];
 
 const VELOCITY: &[(&str, &str)] = &[
-    ("button", "Switch to velocity loop"),
     ("slider", "Target speed"),
     ("spinbutton", "Target speed"),
     ("spinbutton", "Acceleration"),
@@ -66,7 +65,6 @@ const VELOCITY: &[(&str, &str)] = &[
 ];
 
 const CURRENT: &[(&str, &str)] = &[
-    ("button", "Switch to current loop"),
     ("slider", "Target current"),
     ("spinbutton", "Target current"),
     ("spinbutton", "Raw current"),
@@ -83,7 +81,6 @@ const CURRENT: &[(&str, &str)] = &[
 ];
 
 const POSITION: &[(&str, &str)] = &[
-    ("button", "Switch to position loop"),
     ("slider", "Target position"),
     ("spinbutton", "Target position"),
     ("spinbutton", "Target angle"),

@@ -4,7 +4,7 @@ use js_sys::Function;
 use motorlink_messages::{
     ConnectError, Connection, ToWorker, VirtualLine,
     bus::{Activity, Command, Consent},
-    protocol::{Mode, MotorId, Rpm, Setpoint, SpeedTarget},
+    protocol::{Faults, Mode, MotorId, Rpm, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -182,7 +182,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
     bench.click("Spin at 20 rpm");
     let commands = bench.commands().await;
     let [
-        Command::Drive {
+        Command::Start {
             id,
             setpoint,
             consent,
@@ -246,14 +246,19 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
 #[wasm_bindgen_test]
 async fn a_tour_that_was_skipped_stays_away_and_says_why_it_cannot_spin() {
     forget();
-    let bench = Bench::with_motor("tour-skipped", Mode::Current).await;
+    let bench = Bench::with_motor("tour-skipped", Mode::Velocity).await;
+    let mut stalled = motor(Mode::Velocity, Activity::Idle);
+    if let Some(sample) = &mut stalled.last {
+        sample.reply.faults = Faults::from_byte(8);
+    }
+    bench.report(stalled, false);
     let tick = document().get_element_by_id("tour-free").unwrap();
     tick.unchecked_into::<HtmlInputElement>().click();
     let spin = || bench.find_all("button", "Spin at 20 rpm").pop();
     bench.until("the spin", || spin().is_some()).await;
     let spin = spin().unwrap();
     assert!(spin.has_attribute("disabled"));
-    assert!(spin.title().contains("current loop"), "{}", spin.title());
+    assert!(spin.title().contains("stall"), "{}", spin.title());
     bench.click("Skip the tour");
     bench
         .until("it to go", || {

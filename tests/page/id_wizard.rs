@@ -60,7 +60,7 @@ async fn until_said(bench: &Bench, words: &str) {
 }
 
 fn drive(motor: u8, rpm: i32) -> Command {
-    Command::Drive {
+    Command::Start {
         id: id(motor),
         setpoint: Setpoint::velocity(SpeedTarget::clamped(rpm)),
         consent: Consent::None,

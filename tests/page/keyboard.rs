@@ -105,7 +105,7 @@ async fn space_right_behind_a_start_stops() {
     assert!(!dispatch_key("keydown", " ", false));
     let commands = bench.commands().await;
     assert!(
-        matches!(commands.as_slice(), [Command::Drive { .. }, STOP_ALL]),
+        matches!(commands.as_slice(), [Command::Start { .. }, STOP_ALL]),
         "{commands:?}"
     );
 }

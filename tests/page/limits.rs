@@ -99,7 +99,7 @@ async fn a_key_for_a_speed_above_the_limit_drives_nothing_and_keeps_the_target()
     let speed = SpeedTarget::new(100).unwrap();
     let driven = bench.commands().await;
     assert!(
-        matches!(driven.as_slice(), [Command::Drive { setpoint: Setpoint::Velocity { speed: driven, .. }, .. }] if *driven == speed),
+        matches!(driven.as_slice(), [Command::Start { setpoint: Setpoint::Velocity { speed: driven, .. }, .. }] if *driven == speed),
         "{driven:?}"
     );
     Preferences::default().save();

@@ -344,6 +344,6 @@ async fn a_dead_recorder_is_told_and_driving_goes_on() {
     bench.click("+100");
     assert!(matches!(
         &bench.commands().await[..],
-        [Command::Drive { .. }]
+        [Command::Start { .. }]
     ));
 }

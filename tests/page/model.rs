@@ -139,14 +139,14 @@ async fn the_open_loop_drives_at_a_raw_output() {
     bench.received().await;
     bench.enter("Target output", "-3276");
     bench.click("Start");
-    let drive = |raw| Command::Drive {
+    let start = |raw| Command::Start {
         id: MotorId::FIRST,
         setpoint: Setpoint::OpenLoop(OpenLoopTarget::new(raw).unwrap()),
         consent: Consent::None,
     };
-    assert_eq!(bench.commands().await, [drive(-3_276)]);
+    assert_eq!(bench.commands().await, [start(-3_276)]);
     bench.click("0 %");
-    assert_eq!(bench.commands().await, [drive(0)]);
+    assert_eq!(bench.commands().await, [start(0)]);
     let field = bench.enter("Target output", "32768");
     bench
         .until("the range", || {

@@ -24,7 +24,7 @@ fn speed(rpm: i32) -> Setpoint {
 }
 
 fn drive(setpoint: Setpoint, consent: Consent) -> Command {
-    Command::Drive {
+    Command::Start {
         id: ID,
         setpoint,
         consent,
@@ -186,7 +186,7 @@ async fn a_question_about_a_motor_does_not_outlive_its_connection_or_its_choice(
         bench.until("no question", || !asked()).await;
         bench.report(motor(Mode::Current, Activity::Idle), false);
         let commands = bench.commands().await;
-        let drives = |command: &Command| matches!(command, Command::Drive { .. });
+        let drives = |command: &Command| matches!(command, Command::Start { .. });
         assert!(!commands.iter().any(drives), "{way}: {commands:?}");
         assert!(!asked(), "{way}");
     }

@@ -8,7 +8,7 @@ use crate::{command::Command, raw::status::Repeat};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CommandKind {
-    /// [`Command::Drive`].
+    /// [`Command::Start`] or [`Command::Drive`].
     Drive(MotorId),
     /// [`Command::DriveGroup`].
     DriveGroup,
@@ -42,7 +42,7 @@ pub enum CommandKind {
 impl From<Command> for CommandKind {
     fn from(command: Command) -> Self {
         match command {
-            Command::Drive { id, .. } => Self::Drive(id),
+            Command::Start { id, .. } | Command::Drive { id, .. } => Self::Drive(id),
             Command::DriveGroup { .. } => Self::DriveGroup,
             Command::Adjust { .. } => Self::Adjust,
             Command::AdjustGroup { .. } => Self::AdjustGroup,

@@ -4,9 +4,11 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     bus::Bus,
-    command::{Command, Refusal},
+    command::Command,
     event::StopReason,
     motor::{Control, Motor},
+    refusal::Refusal,
+    start::Start,
 };
 
 impl Bus {
@@ -48,6 +50,14 @@ impl Bus {
                 self.adjust_group(now, &setpoints, consent)?;
             }
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
+            Command::Start {
+                id,
+                setpoint,
+                consent,
+            } => {
+                self.check_not_in_group(id)?;
+                self.drive_in(now, id, Start { setpoint, consent }, true)?;
+            }
             Command::Drive {
                 id,
                 setpoint,
@@ -71,7 +81,7 @@ impl Bus {
             Command::Hold(id) => self.hold(now, id)?,
             Command::Stop(id) => {
                 self.watch(now, id);
-                self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+                self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
             }
             Command::StopAll(reason) => self.stop_all(now, reason),
             Command::Release => self.release(now),

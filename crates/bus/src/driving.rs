@@ -4,12 +4,14 @@ use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 
 use crate::{
     bus::Bus,
-    command::{Consent, Refusal},
+    command::Consent,
     event::{Event, StopReason, WithdrawReason},
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
+    refusal::Refusal,
     safety::{Known, check_drive, check_position_switch},
     settings::BusSettings,
+    start::Start,
 };
 
 impl Bus {
@@ -43,6 +45,7 @@ impl Bus {
         Ok(())
     }
 
+    /// Drives a motor in the loop that it is in, or is being switched to.
     pub(crate) fn drive(
         &mut self,
         now: Instant,
@@ -50,29 +53,53 @@ impl Bus {
         setpoint: Setpoint,
         consent: Consent,
     ) -> Result<(), Refusal> {
+        self.drive_in(now, id, Start { setpoint, consent }, false)
+    }
+
+    /// Drives a motor. If it `switches`, a motor in another loop is stopped and switched first.
+    pub(crate) fn drive_in(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        start: Start,
+        switches: bool,
+    ) -> Result<(), Refusal> {
         self.check_not_halted()?;
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.settings.limits;
         let model = self.model;
+        let Start { setpoint, consent } = start;
+        let mode = setpoint.mode();
         let motor = self.watch(now, id);
+        let is_next = motor.is_switching_to(mode);
+        // Zero in the loop that the motor leaves is a stop: what waits for the next loop must not turn the wheel.
+        if !switches && !is_next && is_rest(setpoint) && motor.will_drive() {
+            self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
+            return Ok(());
+        }
         let known = motor.known(now);
         let speed = motor.fresh_speed(now);
         let obeys = motor.obeys();
+        let answers = known.reported.is_some() || speed.is_some();
+        let reported = match motor.control {
+            Control::Stopping(_) if !switches => return Err(Refusal::Stopping(id)),
+            // It is not driven before it reports that loop.
+            Control::Switching(switch) if !switches => Some(switch.to),
+            _ if switches => answers.then_some(mode),
+            _ => known.reported,
+        };
+        // The motor already gets values of this loop, so a zero makes nothing worse.
+        let is_driven_so = matches!(motor.control, Control::Driven(it) if it.goal.mode() == mode);
+        let comes_to_rest = is_rest(setpoint) && is_driven_so;
+        if !comes_to_rest {
+            let known = Known { reported, ..known };
+            check_drive(model, id, setpoint, consent, limits, known)?;
+        }
+        let is_there = obeys && motor.fresh_mode(now) == Some(mode);
         match &mut motor.control {
-            Control::Stopping(_) => return Err(Refusal::Stopping(id)),
-            Control::Switching(switch) => {
-                let reported = Some(switch.to);
-                let known = Known { reported, ..known };
-                check_drive(model, id, setpoint, consent, limits, known)?;
-                switch.queued_setpoint = Some(setpoint);
-            }
-            Control::Driven(driven) => {
-                // The motor already gets values of this loop, so a zero makes nothing worse.
-                let comes_to_rest = is_rest(setpoint) && setpoint.mode() == driven.goal.mode();
-                if !comes_to_rest {
-                    check_drive(model, id, setpoint, consent, limits, known)?;
-                }
+            Control::Switching(switch) if is_next => switch.queued_setpoint = Some(setpoint),
+            Control::Driven(driven) if driven.goal.mode() == mode => {
                 // A command takes effect at once, at any command rate.
                 driven.end_silence(now);
                 *driven = Driven {
@@ -86,19 +113,26 @@ impl Bus {
                     self.cut_exchange_short(now);
                 }
             }
-            // The motor ignores drive frames until it is enabled and in the velocity loop.
-            Control::Idle if !obeys && speed.is_some() && setpoint.mode() == Mode::Velocity => {
-                let reported = Some(Mode::Velocity);
-                let known = Known { reported, ..known };
-                check_drive(model, id, setpoint, consent, limits, known)?;
-                let mut switch = Switch::begin(now, Mode::Velocity, None);
+            Control::Idle if is_there => {
+                motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
+                motor.rest.doubt();
+            }
+            // The motor ignores drive frames until it is enabled and in this loop.
+            Control::Idle if check_position_switch(id, speed).is_ok() => {
+                let mut switch = Switch::begin(now, mode, None);
                 switch.queued_setpoint = Some(setpoint);
                 motor.control = Control::Switching(switch);
             }
-            Control::Idle => {
-                check_drive(model, id, setpoint, consent, limits, known)?;
-                motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
-                motor.rest.doubt();
+            Control::Stopping(stop) => stop.then = Some(start),
+            _ => {
+                self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
+                if let Some(Motor {
+                    control: Control::Stopping(stop),
+                    ..
+                }) = self.motor_mut(id)
+                {
+                    stop.then = Some(start);
+                }
             }
         }
         Ok(())
@@ -126,6 +160,9 @@ impl Bus {
                 }
                 Ok(())
             }
+            _ if self.waits_in(id, setpoint.mode()) => {
+                self.drive_in(now, id, Start { setpoint, consent }, true)
+            }
             _ => Err(Refusal::NotDriven(id)),
         }
     }
@@ -133,6 +170,10 @@ impl Bus {
     pub(crate) fn hold(&mut self, now: Instant, id: MotorId) -> Result<(), Refusal> {
         let has_separate_frames = self.model.has_separate_frames();
         let motor = self.motor_mut(id).ok_or(Refusal::NotHolding(id))?;
+        if motor.will_drive() {
+            self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
+            return Ok(());
+        }
         let Control::Driven(driven) = &mut motor.control else {
             return Err(Refusal::NotHolding(id));
         };
@@ -140,7 +181,7 @@ impl Bus {
             return Err(Refusal::NotHolding(id));
         }
         if driven.group.is_some() {
-            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
             return Ok(());
         }
         // With separate frames an angle is asked for from where the loop was entered, and reported from
@@ -154,7 +195,7 @@ impl Bus {
                 let reason = WithdrawReason::AngleMisfits;
                 self.events.push_back(Event::Withdrawn { id, reason });
             }
-            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
             return Ok(());
         };
         // The first frame holds the estimated angle. The next reply refines it.

@@ -4,7 +4,7 @@ use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm, family::Model
 
 use crate::{
     id_change::outcome::IdChangeOutcome, limits::ExceededLimit, line_event::LineEvent,
-    sample::Sample, scan::report::ScanReport,
+    refusal::Refusal, sample::Sample, scan::report::ScanReport,
 };
 
 /// What happened, in order.
@@ -42,6 +42,13 @@ pub enum Event {
         asked: Mode,
         /// The loop that it reports instead; `None` without a fresh reply.
         reported: Option<Mode>,
+    },
+    /// A motor that was started is not driven: its stop was not confirmed, or what has changed meanwhile forbids it.
+    NotStarted {
+        /// Which motor.
+        id: MotorId,
+        /// Why.
+        refusal: Refusal,
     },
     /// The bus has withdrawn a setpoint and stops the motor.
     Withdrawn {

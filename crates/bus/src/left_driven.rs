@@ -4,9 +4,9 @@ use motorlink_protocol::{Instant, Mode, MotorId};
 
 use crate::{
     bus::Bus,
-    command::Refusal,
     event::StopReason,
     motor::{Control, Motor, Rest},
+    refusal::Refusal,
 };
 
 /// A motor that was driven over an earlier connection and whose standstill no reply has confirmed.
@@ -36,7 +36,9 @@ impl Bus {
         if ids.is_empty() {
             return;
         }
-        self.begin_stop(now, StopReason::LeftDriven, |motor| ids.contains(&motor.id));
+        self.begin_stop(now, StopReason::LeftDriven, &|motor| {
+            ids.contains(&motor.id)
+        });
         if let Some(stop) = &mut self.stop {
             stop.goes_first = true;
         }
@@ -51,7 +53,7 @@ impl Bus {
         let waits = |motor: &Motor| motor.rest == Rest::StopWhenBack && !is_stopped(motor);
         let is_back = |motor: &Motor| waits(motor) && !motor.is_without_answer();
         if self.motors.iter().any(is_back) {
-            self.begin_stop(now, StopReason::LeftDriven, waits);
+            self.begin_stop(now, StopReason::LeftDriven, &waits);
         }
     }
 

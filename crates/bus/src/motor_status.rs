@@ -41,6 +41,8 @@ pub struct MotorStatus {
     pub id: MotorId,
     /// What the bus does with it.
     pub activity: Activity,
+    /// The setpoint that waits until the motor stands and reports its loop.
+    pub waiting: Option<Setpoint>,
     /// Its last reply.
     pub last: Option<Sample>,
     /// Its last speed. A newer reply may have none.
@@ -73,6 +75,7 @@ impl MotorStatus {
         Self {
             id,
             activity: Activity::Idle,
+            waiting: None,
             last: None,
             speed: None,
             current: None,

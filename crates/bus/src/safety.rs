@@ -8,9 +8,10 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    command::{Consent, Refusal},
+    command::Consent,
     event::WithdrawReason,
     limits::{ExceededLimit, Limits},
+    refusal::Refusal,
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 

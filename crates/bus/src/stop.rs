@@ -10,6 +10,7 @@ use motorlink_protocol::{
 use crate::{
     event::{StopOutcome, StopReason, StopReport},
     safety::{StopPlan, stop_plan},
+    start::Start,
     timing::{
         SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD,
     },
@@ -42,6 +43,8 @@ pub(crate) struct Stopping {
     /// Whether the motor is in the position loop by the last that is known: by the last reply, of any age, or by what was
     /// known before the stop.
     last_in_position: bool,
+    /// What a person has started, for when the motor stands. Any other stop clears it.
+    pub(crate) then: Option<Start>,
 }
 
 impl Stopping {
@@ -69,6 +72,7 @@ impl Stopping {
             last_query: None,
             last_brake: None,
             last_in_position: fresh.or(last) == Some(Mode::Position),
+            then: None,
         }
     }
 
@@ -239,9 +243,10 @@ impl Stopping {
         self.began
     }
 
-    /// The operator asked again: the stop window restarts.
+    /// The operator asked again: the stop window restarts, and nothing is driven after it.
     pub(crate) fn restart_window(&mut self, now: Instant) {
         self.asked = now;
+        self.then = None;
     }
 
     pub(crate) fn confirmed(&self) -> bool {

@@ -16,7 +16,7 @@ impl Bus {
     /// Stops every motor that is driven or may turn. Nothing drives until Release.
     pub(crate) fn stop_all(&mut self, now: Instant, reason: StopReason) {
         self.halted = true;
-        self.begin_stop(now, reason, |motor| {
+        self.begin_stop(now, reason, &|motor| {
             let active = !matches!(motor.control, Control::Idle);
             // A motor that is not known to stand may turn. A motor that never answered does not exist.
             active || motor.may_turn() || (motor.has_answered() && !motor.stands(now))
@@ -28,7 +28,8 @@ impl Bus {
         &mut self,
         now: Instant,
         reason: StopReason,
-        concerns: impl Fn(&Motor) -> bool,
+        // Not generic: it would be compiled once for each caller.
+        concerns: &dyn Fn(&Motor) -> bool,
     ) {
         if reason != StopReason::Job {
             self.cancel_job(now);
@@ -89,6 +90,7 @@ impl Bus {
             return;
         }
         let mut outcomes = Vec::new();
+        let mut starts = Vec::new();
         for motor in &mut self.motors {
             if let Control::Stopping(stop) = motor.control {
                 let confirmed = stop.confirmed();
@@ -98,17 +100,22 @@ impl Bus {
                 }
                 motor.control = Control::Idle;
                 let speed = motor.fresh_speed(now);
-                outcomes.push(StopOutcome {
+                let outcome = StopOutcome {
                     id: motor.id,
                     confirmed,
                     speed,
-                });
+                };
+                starts.extend(stop.then.map(|start| (outcome, start)));
+                outcomes.push(outcome);
             }
         }
         self.stop_for_job_ended(&outcomes);
         if let Some(stop) = self.stop.take() {
             self.events
                 .push_back(Event::StopEnded(stop.report(outcomes)));
+        }
+        for (outcome, start) in starts {
+            self.start_stopped(now, outcome, start);
         }
     }
 }

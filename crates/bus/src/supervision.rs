@@ -47,9 +47,7 @@ impl Bus {
                     Progress::Confirmed
                         if motor.loop_is_unconfirmed() && now < switch.fails_at() => {}
                     Progress::Confirmed => {
-                        let reported = motor.fresh_faults(now);
-                        let faulty = reported.is_some_and(Faults::any_named);
-                        motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
+                        motor.control = after_switch(now, &switch, motor.fresh_speed(now));
                         if matches!(motor.control, Control::Driven(_)) {
                             motor.rest.doubt();
                         }
@@ -104,7 +102,7 @@ impl Bus {
             }
         }
         if !to_stop.is_empty() {
-            self.begin_stop(now, StopReason::OneMotor, |motor| {
+            self.begin_stop(now, StopReason::OneMotor, &|motor| {
                 to_stop.contains(&motor.id)
             });
         }
@@ -137,12 +135,7 @@ impl Bus {
 
 /// The control state after a switch. A driven motor stays driven at zero if both loops know a
 /// neutral zero; else it is idle until the operator asks.
-pub(crate) fn after_switch(
-    now: Instant,
-    switch: &Switch,
-    speed: Option<Rpm>,
-    faulty: bool,
-) -> Control {
+pub(crate) fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>) -> Control {
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
@@ -152,8 +145,7 @@ pub(crate) fn after_switch(
     let goal = switch
         .queued_setpoint
         .or(zero.filter(|_| switch.was_driven));
-    // A motor with a fault is not driven.
-    goal.filter(|_| !faulty).map_or(Control::Idle, |goal| {
+    goal.map_or(Control::Idle, |goal| {
         Control::Driven(Driven {
             // Silence during the switch counts.
             since: switch.began,

@@ -6,7 +6,7 @@ use motorlink_protocol::{Instant, Mode, MotorId};
 
 use crate::{
     bus::Bus,
-    command::Refusal,
+    refusal::Refusal,
     silence::{Silence, Withheld},
 };
 

@@ -83,7 +83,7 @@ fn start_enables_a_ddsm400_and_then_drives_it() {
     assert!(!is_enabled(&fixture));
     let half = Setpoint::Position(PositionTarget::from_degrees(180.0));
     assert_eq!(fixture.drive(half), Err(Refusal::NotAnswering(ID)));
-    fixture.drive(rpm(60)).unwrap();
+    fixture.start(rpm(60)).unwrap();
     assert_eq!(
         fixture.activity(),
         Activity::Switching { to: Mode::Velocity }
@@ -99,7 +99,7 @@ fn a_ddsm400_that_cannot_be_enabled_is_reported() {
     fixture.run(ms(50));
     assert!(answers(&fixture));
     another_host_drives(&mut fixture, ms(200));
-    fixture.drive(rpm(60)).unwrap();
+    fixture.start(rpm(60)).unwrap();
     fixture.world.motor_mut(ID).unwrap().mute(true);
     fixture.run(ms(1_000));
     let reported = |event: &Event| matches!(event, Event::ModeSwitchFailed { id: ID, .. });
@@ -115,7 +115,7 @@ fn a_ddsm400_that_cannot_be_enabled_is_reported() {
 fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
     let mut fixture = with(|bus| bus);
     fixture.run(ms(1_000));
-    fixture.drive(rpm(60)).unwrap();
+    fixture.start(rpm(60)).unwrap();
     fixture.run(ms(1_000));
     fixture.world.motor_mut(ID).unwrap().power(false);
     fixture.run(ms(400));
@@ -127,7 +127,7 @@ fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
     assert!(is_enabled(&fixture));
     assert!(!fixture.happened(|event| matches!(event, Event::ModeSwitched { .. })));
     assert!(fixture.true_rpm().abs() < 1.0);
-    fixture.drive(rpm(60)).unwrap();
+    fixture.start(rpm(60)).unwrap();
     fixture.run(ms(1_500));
     assert!((fixture.true_rpm().abs() - 60.0).abs() < 3.0);
 }
@@ -141,7 +141,7 @@ fn start_at_any_time_around_the_enabling_of_a_ddsm400_drives_it() {
         let now = fixture.now;
         fixture.bus.end_trial(now);
         fixture.run(ms(delay));
-        assert_eq!(fixture.drive(rpm(60)), Ok(()), "{delay} ms");
+        assert_eq!(fixture.start(rpm(60)), Ok(()), "{delay} ms");
         fixture.run(ms(1_500));
         assert!((fixture.true_rpm() - 60.0).abs() < 3.0, "{delay} ms");
     }

@@ -43,6 +43,7 @@ mod silent_motors;
 mod sleeping;
 mod stalled_adapter;
 mod standstill;
+mod starting;
 mod stop_reasons;
 mod stopping;
 mod stopping_from_each_loop;

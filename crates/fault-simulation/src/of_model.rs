@@ -74,6 +74,15 @@ fn action_for(model: Model, is_open: bool, action: Action) -> Action {
 
 fn command(model: Model, is_open: bool, given: Command) -> Command {
     match given {
+        Command::Start {
+            id,
+            setpoint: asked,
+            consent,
+        } => Command::Start {
+            id,
+            setpoint: setpoint(model, is_open, asked),
+            consent,
+        },
         Command::Drive {
             id,
             setpoint: asked,

@@ -61,11 +61,15 @@ pub enum Rule {
     NoInventedValue,
     /// Every motor that is not known to be silent is asked in time, on every line.
     AskedInTime,
+    /// On a good line a started motor gets its first drive frame in the loop of the setpoint.
+    LoopBeforeStart,
+    /// A start ends in time on a good line: the motor is driven, or an event says why not.
+    StartEnds,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -93,6 +97,8 @@ impl Rule {
         Self::StopsConfirm,
         Self::NoInventedValue,
         Self::AskedInTime,
+        Self::LoopBeforeStart,
+        Self::StartEnds,
     ];
 }
 

@@ -20,6 +20,7 @@ mod liveness;
 mod motion;
 mod operator;
 mod said;
+mod starts;
 mod truth;
 mod unasked;
 mod wire;
@@ -27,8 +28,8 @@ mod wire;
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{
-    Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport, WithdrawReason,
-    is_hazardous,
+    Activity, Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport,
+    WithdrawReason, is_hazardous,
 };
 use motorlink_protocol::{
     Frame, Instant, MotorId,
@@ -38,7 +39,7 @@ use motorlink_simulator::World;
 
 use self::{
     asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
-    operator::Operator, said::may_obey, truth::Truth, unasked::Unasked, wire::Wire,
+    operator::Operator, said::may_obey, starts::Starts, truth::Truth, unasked::Unasked, wire::Wire,
 };
 use crate::rule::{Outcome, Rule, broken};
 
@@ -67,6 +68,7 @@ pub(crate) struct Rules {
     invented: Invented,
     asked: Asked,
     unasked: Unasked,
+    starts: Starts,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
@@ -116,7 +118,7 @@ impl Rules {
                 {
                     self.unasked.sent_by_hand(&frame, bus, now);
                 }
-                self.carried_out(now, command, raw, world);
+                self.carried_out(now, command, raw, bus, world);
             }
             Err(Refusal::AboveSpeedLimit(_) | Refusal::NeedsConsent(_)) => {
                 self.judge(Rule::NothingAboveALimit);
@@ -127,7 +129,14 @@ impl Rules {
     }
 
     /// The bus accepted a command; `raw` is the raw frame before it.
-    fn carried_out(&mut self, now: Instant, command: Command, raw: Option<Frame>, world: &World) {
+    fn carried_out(
+        &mut self,
+        now: Instant,
+        command: Command,
+        raw: Option<Frame>,
+        bus: &Bus,
+        world: &World,
+    ) {
         match command {
             // A stop that joins another has its own window.
             Command::Stop(id) => {
@@ -146,11 +155,34 @@ impl Rules {
                     !standing.contains(id) && raw.is_some_and(|raw| may_obey(&raw, *id))
                 });
             }
-            Command::SwitchMode { id, .. } => self.liveness.asked(|other| *other == id),
+            Command::SwitchMode { id, .. } => {
+                self.liveness.asked(|other| *other == id);
+                self.starts.asked_otherwise(|other| *other == id);
+            }
+            Command::Start {
+                id,
+                setpoint,
+                consent,
+            } => {
+                let mut motors = bus.motors(now).filter(|status| status.id == id);
+                let activity = motors.next().map(|status| status.activity);
+                let stops = matches!(activity, Some(Activity::Stopping { .. }));
+                if stops && !self.starts.waits(id) {
+                    // What was driven before is stopped first.
+                    self.stop_begins(now, |other| *other == id);
+                } else if !stops {
+                    self.liveness.asked(|other| *other == id);
+                }
+                self.operator.stands(now, id, setpoint);
+                self.motion.asked(|other| *other == id);
+                self.bounds.on_command(id, consent);
+                self.starts.asked(now, id, setpoint);
+            }
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
                 self.liveness.asked(|other| *other == id);
                 self.motion.asked(|other| *other == id);
                 self.bounds.on_command(id, consent);
+                self.starts.asked_otherwise(|other| *other == id);
             }
             Command::DriveGroup { setpoints, consent }
             | Command::AdjustGroup { setpoints, consent } => {
@@ -158,6 +190,7 @@ impl Rules {
                     self.liveness.asked(|other| *other == id);
                     self.motion.asked(|other| *other == id);
                     self.bounds.on_command(id, consent);
+                    self.starts.asked_otherwise(|other| *other == id);
                 }
             }
             Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
@@ -235,6 +268,9 @@ impl Rules {
         for rule in self.liveness.settled(now, bus, world)? {
             self.judge(rule);
         }
+        let healthy = self.liveness.healthy_since();
+        let judged = self.starts.settled(now, healthy, bus)?;
+        *self.judged.entry(Rule::StartEnds).or_default() += judged;
         let judged = self.asked.settled(now, bus)?;
         *self.judged.entry(Rule::AskedInTime).or_default() += judged;
         let judged = self.unasked.settled(now, bus)?;
@@ -274,6 +310,7 @@ impl Rules {
         self.liveness.port_lost();
         self.asked = Asked::default();
         self.unasked = Unasked::default();
+        self.starts = Starts::default();
         self.operator.port_lost();
         self.wire.port_lost();
         self.stops.clear();
@@ -327,6 +364,12 @@ impl Rules {
                 Ok(Request::Drive { id, .. }) => {
                     let by_hand = raw.is_some();
                     self.liveness.drives(now, id, by_hand)?;
+                    let is_healthy = self.liveness.healthy_since().is_some();
+                    if !by_hand && self.starts.drives(now, id, is_healthy, world)? {
+                        self.judge(Rule::LoopBeforeStart);
+                        // The brakes of its stop came before.
+                        self.motion.asked(|other| *other == id);
+                    }
                     self.judge(Rule::DrivenByCommandOnly);
                     self.judge(Rule::NoMoreThanCommanded);
                 }
@@ -375,6 +418,7 @@ impl Rules {
     /// The bus reports an event.
     pub(crate) fn on_event(&mut self, now: Instant, event: &Event, world: &World) -> Outcome {
         self.operator.on_event(now, event);
+        self.starts.on_event(now, event);
         self.wire.on_event(now, event)?;
         self.truth.on_event(now, event, world)?;
         match event {

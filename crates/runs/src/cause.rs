@@ -59,6 +59,7 @@ fn refused(refusal: Refusal, first: MotorId) -> Cause {
         Refusal::TooHot { id, .. } => Cause::Limit(id, ExceededLimit::OfBus),
         Refusal::SpeedUnknown(id)
         | Refusal::Stopping(id)
+        | Refusal::NotStopped(id)
         | Refusal::NotDriven(id)
         | Refusal::InGroup(id)
         | Refusal::Switching(id) => Cause::Refused(id),

@@ -232,7 +232,8 @@ impl Host {
             Command::IdQuery | Command::FullScan => Some(Input::StopBegan(StopReason::Job)),
             // Before the start, a person may still switch the loop: the start asks for the right one.
             Command::SwitchMode { .. } if self.driving.is_none() => None,
-            Command::Drive { id, .. }
+            Command::Start { id, .. }
+            | Command::Drive { id, .. }
             | Command::Adjust { id, .. }
             | Command::SwitchMode { id, .. } => Some(Input::Driven(Some(id))),
             Command::DriveGroup { .. }

@@ -1,6 +1,6 @@
 //! Forwards the events of the bus to the page.
 
-use motorlink_bus::Event;
+use motorlink_bus::{CommandKind, Event};
 use motorlink_messages::Notice;
 
 use crate::{
@@ -41,6 +41,10 @@ pub(crate) fn forward(outbox: &mut Outbox, open: &mut OpenPort, event: Event) {
             id,
             asked,
             reported,
+        },
+        Event::NotStarted { id, refusal } => Notice::Refused {
+            command: CommandKind::Drive(id),
+            refusal,
         },
         Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
         Event::OtherModel { expected, found } => Notice::OtherModel { expected, found },

@@ -94,8 +94,8 @@ const PARTS: [Part; 18] = [
     // spreadsheet program has saved again. 1,900 write study and setup as objects, and refuse rows of motors that a run does
     // not have. 400 are the setup of a file, whose names a replay shows. 9,600 read what the page showed: every state that the
     // port worker sends. 7,700 are the motion of a rover as messages of ROS, with its odometry, and states without the replies
-    // that frames tell.
-    ("session worker", ASKED, &["sessions-"], 249_700),
+    // that frames tell. 100 read the setpoint that waits for a stop or a switch.
+    ("session worker", ASKED, &["sessions-"], 249_800),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     ("runs", ASKED, &["runs-"], 83_900),
     (

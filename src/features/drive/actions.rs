@@ -4,12 +4,11 @@ use crate::{
     features::drive::{limit::speed_refused, one_stop::stop_of},
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
+        guards::{drive_blocked_by, stop_blocked_by},
         local_storage::{remember, remembered},
         notice_board::Topic,
         page::{Dialog, Page},
         tab::Tab,
-        terms,
     },
     ui::{
         entry::{self, Entry},
@@ -21,7 +20,7 @@ use std::ops::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    bus::{Activity, Command, Consent, needs_consent},
+    bus::{Activity, Command, Consent, MotorStatus, needs_consent},
     protocol::{
         Acceleration, CurrentTarget, Mode, MotorId, OpenLoopTarget, PositionTarget, Setpoint,
         SpeedTarget,
@@ -175,7 +174,7 @@ impl Drive {
     }
 
     pub(crate) fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {
-        self.page.command(Command::Drive {
+        self.page.command(Command::Start {
             id,
             setpoint,
             consent,
@@ -194,8 +193,8 @@ impl Drive {
         let setpoint = self.targets.setpoint(mode);
         let id = self.page.selected.get_untracked();
         let driven_so = self.page.latest.with_value(|session| {
-            let activity = session.motor(id).map(|motor| motor.activity);
-            matches!(activity, Some(Activity::Driven { setpoint }) if setpoint.mode() == mode)
+            let setpoint = session.motor(id).and_then(started_setpoint);
+            setpoint.is_some_and(|setpoint| setpoint.mode() == mode)
         });
         // A drag is not sent if the current needs consent; Start asks for it.
         if driven_so && needs_consent(setpoint) == Consent::None {
@@ -208,7 +207,7 @@ impl Drive {
     }
 
     /// Stops the selected motor as its loop allows: see [`stop_of`].
-    pub(crate) fn stop_motor(self, tab: Tab) {
+    pub(crate) fn stop_motor(self) {
         if let Some(reason) = stop_blocked_by(&self.page.present()) {
             self.page.refuse(tr!("Stop not sent").to_owned(), reason);
             return;
@@ -221,27 +220,21 @@ impl Drive {
         if raw {
             self.page.command(Command::StopRaw);
         }
-        if let Some(command) = stop_of(id, activity, tab) {
-            // The bus may leave the loop.
-            self.page.loops.asked.set(None);
-            self.page.command(command);
-        }
+        self.page.command(stop_of(id, activity));
     }
 
-    pub(crate) fn switch(self, mode: Mode) {
-        let id = self.page.selected.get_untracked();
-        if let Some(reason) = switch_blocked_by(&self.page.present(), id, mode) {
-            self.page.refuse(
-                tr!("Not switched to the {mode}", mode = terms::mode(mode)),
-                reason,
-            );
-            return;
+    /// Shows the tab of a loop, if the motor has it.
+    pub(crate) fn show(self, mode: Mode) {
+        if self.page.model.get_untracked().has(mode) {
+            self.page.open_tab(Tab::Loop(mode));
         }
-        self.page.loops.asked.set(Some(mode));
-        self.page.follow(mode);
-        self.page
-            .notices
-            .update(|board| board.withdraw(Topic::Command));
-        self.page.command(Command::SwitchMode { id, mode });
+    }
+}
+
+/// The setpoint that a motor is driven to, or that waits until it stands.
+fn started_setpoint(motor: &MotorStatus) -> Option<Setpoint> {
+    match motor.activity {
+        Activity::Driven { setpoint } => Some(setpoint),
+        _ => motor.waiting,
     }
 }

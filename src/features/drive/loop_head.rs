@@ -1,13 +1,16 @@
-//! The head of a tab: its loop, what the motor reports, and the switch.
+//! The head of a tab: its loop, what the motor reports, and what a start waits for.
 
 use leptos::prelude::*;
 use motorlink_i18n::{terms, tr};
-use motorlink_messages::protocol::Mode;
+use motorlink_messages::{
+    bus::{Activity, MotorStatus},
+    protocol::Mode,
+};
 
 use crate::{
     features::drive::actions::Drive,
-    model::{guards::switch_blocked_by, snapshot::Reading, terms::loop_name},
-    ui::{button::PressButton, reactive::dynamic},
+    model::{snapshot::Reading, terms::loop_name},
+    ui::{format, reactive::dynamic},
 };
 
 #[component]
@@ -17,8 +20,12 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
         let reported = session.mode(id).filter(Reading::is_fresh);
         reported.map(|reading| reading.value)
     });
+    let start = page.of_motor(|session, id| session.motor(id).and_then(stage_of_start));
     let active = move || reported.get() == Some(mode);
     let words = move || {
+        if let Some(stage) = start.get() {
+            return stage;
+        }
         let words = reported.get().map_or_else(
             || tr!("Loop unknown.").to_owned(),
             |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
@@ -29,20 +36,28 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
             words
         }
     };
-    let disabled_reason = page.of_motor(move |session, id| switch_blocked_by(session, id, mode));
     view! {
         <div class="loop-head">
             <h2>{loop_name(mode)}</h2>
             <span class="chip good" class:absent=dynamic(move || !active())>
                 {tr!("active")}
             </span>
-            <PressButton
-                label=tr!("Switch to {mode}", mode = terms::mode(mode))
-                class="button small"
-                disabled_reason=disabled_reason
-                on_press=move || drive.switch(mode)
-            />
-            <p class="quiet">{dynamic(words)}</p>
+            <p class="quiet" role="status">{dynamic(words)}</p>
         </div>
     }
+}
+
+/// What a start waits for.
+fn stage_of_start(motor: &MotorStatus) -> Option<String> {
+    let setpoint = motor.waiting?;
+    let goal = format::goal(setpoint);
+    Some(if let Activity::Switching { to } = motor.activity {
+        tr!(
+            "Switching to the {mode}, then {goal}.",
+            mode = terms::mode(to),
+            goal
+        )
+    } else {
+        tr!("Stopping the wheel, then {goal}.", goal)
+    })
 }

@@ -6,9 +6,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
 
 use crate::{
-    features::drive::actions::Drive,
-    model::{guards::stop_blocked_by, tab::Tab},
-    ui::button::PressButton,
+    features::drive::actions::Drive, model::guards::stop_blocked_by, ui::button::PressButton,
 };
 
 /// Two cells of a row of buttons. The hint says what `Stop` does in this loop.
@@ -30,7 +28,7 @@ pub(crate) fn stop_and_start(
             class="button halt"
             hint=hint
             disabled_reason=stop_blocked_by
-            on_press=move || drive.stop_motor(Tab::Loop(mode))
+            on_press=move || drive.stop_motor()
         />
         <PressButton
             label=start

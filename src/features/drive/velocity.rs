@@ -10,7 +10,7 @@ use crate::{
         limit::{LimitLink, Quantity, or_refused, speed_limit, speed_refused},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
-    model::{guards::stop_blocked_by, tab::Tab},
+    model::guards::stop_blocked_by,
     ui::{
         button::PressButton,
         entry, format,
@@ -130,7 +130,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
                 class="button halt"
                 hint=tr!("Brakes to a standstill: the last frame is a brake")
                 disabled_reason=halt_blocked_by
-                on_press=move || drive.stop_motor(Tab::Loop(MODE))
+                on_press=move || drive.stop_motor()
             />
             <PressButton
                 label=tr!("Start")

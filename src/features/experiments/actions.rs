@@ -26,7 +26,7 @@ use crate::{
         state::{Armed, Experiments, Shown},
         table, texts,
     },
-    model::{guards::drive_blocked_by, snapshot::Session},
+    model::{guards::in_loop_blocked_by, snapshot::Session},
     ui::{
         clock::{act_ms, page_now_ms},
         listener::on_window,
@@ -154,7 +154,7 @@ impl Experiments {
         let of_motor = self.page.shown.with(|session| {
             motors.iter().find_map(|motor| {
                 let (id, mode) = (motor.id, motor.mode());
-                let reason = drive_blocked_by(session, id, mode)?;
+                let reason = in_loop_blocked_by(session, id, mode)?;
                 let is_other_loop = session.mode(id).is_some_and(|now| now.value != mode);
                 Some((reason, is_other_loop.then_some((id, mode))))
             })

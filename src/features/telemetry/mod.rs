@@ -17,7 +17,10 @@ use motorlink_i18n::{
     terms::{self, in_language},
     tr,
 };
-use motorlink_messages::protocol::{Faults, MotorId};
+use motorlink_messages::{
+    bus::{Activity, MotorStatus},
+    protocol::{Faults, Mode, MotorId, Setpoint},
+};
 
 use self::{
     fault_record::FaultRecord,
@@ -38,8 +41,8 @@ use crate::{
 pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
     let page = readings.page;
     let mode = memo(move || {
-        let (id, asked) = (page.selected.get(), page.loops.asked.get());
-        page.shown.with(|session| mode(session, id, asked))
+        let id = page.selected.get();
+        page.shown.with(|session| mode(session, id))
     });
     let section = NodeRef::<html::Section>::new();
     instruments::draw_on_change(readings, section);
@@ -149,12 +152,9 @@ fn faults(session: &Session, id: MotorId) -> Option<Shown> {
     })
 }
 
-fn mode(
-    session: &Session,
-    id: MotorId,
-    asked: Option<motorlink_messages::protocol::Mode>,
-) -> Option<Shown> {
+fn mode(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.mode(id)?;
+    let asked = session.motor(id).and_then(next_loop);
     let shown = Shown::new(&reading, loop_name(reading.value).to_owned(), "");
     Some(match asked.filter(|asked| *asked != reading.value) {
         Some(asked) => shown
@@ -164,11 +164,19 @@ fn mode(
     })
 }
 
+/// The loop that a motor is being switched to, or will be.
+fn next_loop(motor: &MotorStatus) -> Option<Mode> {
+    match motor.activity {
+        Activity::Switching { to } => Some(to),
+        _ => motor.waiting.map(Setpoint::mode),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
         bus::{LineStatus, Turns},
-        protocol::{Celsius, Mode, family::Model},
+        protocol::{Celsius, PositionTarget, family::Model},
     };
 
     use super::*;
@@ -233,13 +241,14 @@ mod tests {
 
     #[test]
     fn a_loop_that_was_not_asked_for_is_marked() {
-        let session = session(1_016, status(1_000, Mode::Velocity, 0));
-        assert_eq!(
-            text(mode(&session, ID, Some(Mode::Position))),
-            "Velocity loop target: position loop"
-        );
-        let shown = mode(&session, ID, Some(Mode::Velocity));
-        assert_eq!(text(shown), "Velocity loop ");
+        let mut session = session(1_016, status(1_000, Mode::Velocity, 0));
+        assert_eq!(text(mode(&session, ID)), "Velocity loop ");
+        session.motors[0].activity = Activity::Switching { to: Mode::Position };
+        let waits_for_position = "Velocity loop target: position loop";
+        assert_eq!(text(mode(&session, ID)), waits_for_position);
+        session.motors[0].activity = Activity::Stopping { confirmed: false };
+        session.motors[0].waiting = Some(Setpoint::Position(PositionTarget::default()));
+        assert_eq!(text(mode(&session, ID)), waits_for_position);
     }
 
     #[test]

@@ -251,7 +251,7 @@ impl WheelSetup {
         }
         let limit = self.page.settings.speed_limit.get_untracked();
         let speed = SpeedTarget::clamped(SPIN_RPM.min(limit));
-        self.page.command(Command::Drive {
+        self.page.command(Command::Start {
             id,
             setpoint: Setpoint::velocity(speed),
             consent: Consent::None,

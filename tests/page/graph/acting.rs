@@ -57,7 +57,7 @@ async fn keys_zoom_pan_and_still_stop_and_drive() {
     press("Escape");
     let commands = bench.commands().await;
     let stop = Command::StopAll(StopReason::Operator);
-    assert!(matches!(commands[0], Command::Drive { .. }), "{commands:?}");
+    assert!(matches!(commands[0], Command::Start { .. }), "{commands:?}");
     assert_eq!(commands[1..], [stop, stop]);
 }
 

@@ -187,7 +187,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         acceleration: Acceleration::new(1),
     };
     bench.click("+100");
-    let drive = Command::Drive {
+    let drive = Command::Start {
         id: id(2),
         setpoint: setpoint(-100),
         consent: Consent::None,

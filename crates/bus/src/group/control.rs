@@ -4,11 +4,12 @@ use motorlink_protocol::{Instant, MotorId, Setpoint};
 
 use crate::{
     bus::Bus,
-    command::{Consent, Refusal},
+    command::Consent,
     driving::is_rest,
     event::StopReason,
     group::setpoints::GroupSetpoints,
     motor::{Control, Motor},
+    refusal::Refusal,
     safety::check_drive,
 };
 
@@ -110,7 +111,7 @@ impl Bus {
     pub(crate) fn stops_group(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) -> bool {
         let is_stop = is_rest(setpoint) && self.check_not_in_group(id).is_err();
         if is_stop {
-            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
         }
         is_stop
     }

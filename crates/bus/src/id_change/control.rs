@@ -3,8 +3,8 @@
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
-    bus::Bus, command::Refusal, id_change::outcome::SetIdFrames, id_change::state::IdChange,
-    job::state::Job, timing::PROOF_LIFETIME,
+    bus::Bus, id_change::outcome::SetIdFrames, id_change::state::IdChange, job::state::Job,
+    refusal::Refusal, timing::PROOF_LIFETIME,
 };
 
 impl Bus {

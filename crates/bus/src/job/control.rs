@@ -6,7 +6,6 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     bus::Bus,
-    command::Refusal,
     event::{Event, IdQueryOutcome, StopOutcome, StopReason},
     exchange::{Exchange, Expects, Line, Purpose},
     id_change::outcome::IdChangeOutcome,
@@ -15,6 +14,7 @@ use crate::{
     job::status::JobStatus,
     motor::{Control, Motor},
     probe::ProbeResult,
+    refusal::Refusal,
     schedule::{DueFrame, Turn},
     timing::{SCAN_MARGIN, earliest_reply},
 };
@@ -61,7 +61,7 @@ impl Bus {
             Control::Switching(_) | Control::Driven(_) => true,
         };
         if self.motors.iter().any(concerns) {
-            self.begin_stop(now, StopReason::Job, concerns);
+            self.begin_stop(now, StopReason::Job, &concerns);
         }
     }
 

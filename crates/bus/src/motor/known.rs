@@ -150,6 +150,7 @@ impl Motor {
         MotorStatus {
             id: self.id,
             activity: self.activity(),
+            waiting: self.waiting_setpoint(),
             last: self.last,
             speed: self.speed,
             current: self.current,

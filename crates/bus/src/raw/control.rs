@@ -6,7 +6,7 @@ use motorlink_protocol::{
 
 use crate::{
     bus::Bus,
-    command::{Consent, Refusal},
+    command::Consent,
     event::{Event, IdQueryOutcome, StopReason},
     exchange::Expects,
     limits::Limits,
@@ -15,6 +15,7 @@ use crate::{
     raw::frame::{Raw, RawEffect},
     raw::hazard::unassignable_id,
     raw::status::{RawAnswer, RawStatus, Repeat},
+    refusal::Refusal,
     safety::{Known, check_driven, check_position_switch, needs_consent},
     timing::LOOP_QUERY_PERIOD,
 };
@@ -138,7 +139,7 @@ impl Bus {
             motor.may_turn() && addressee.is_none_or(|addressee| addressee == motor.id)
         };
         if hazardous && self.motors.iter().any(concerns) {
-            self.begin_stop(now, StopReason::OneMotor, concerns);
+            self.begin_stop(now, StopReason::OneMotor, &concerns);
         }
     }
 
@@ -277,7 +278,7 @@ impl Bus {
         }
         let raw = *raw;
         if ends {
-            self.begin_stop(now, StopReason::OneMotor, |motor| raw.may_move(motor.id));
+            self.begin_stop(now, StopReason::OneMotor, &|motor| raw.may_move(motor.id));
         }
     }
 

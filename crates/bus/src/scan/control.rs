@@ -2,7 +2,7 @@
 
 use motorlink_protocol::{Instant, MotorId};
 
-use crate::{bus::Bus, command::Refusal, job::state::Job, scan::state::Scan};
+use crate::{bus::Bus, job::state::Job, refusal::Refusal, scan::state::Scan};
 
 impl Bus {
     pub(crate) fn begin_id_query(&mut self, now: Instant) -> Result<(), Refusal> {

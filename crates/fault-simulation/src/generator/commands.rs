@@ -19,7 +19,12 @@ impl Generator {
         let consent = self.consent();
         let setpoint = self.setpoint();
         match self.rng.u8(..38) {
-            0..=8 => Command::Drive {
+            0..=5 => Command::Drive {
+                id,
+                setpoint,
+                consent,
+            },
+            6..=8 => Command::Start {
                 id,
                 setpoint,
                 consent,

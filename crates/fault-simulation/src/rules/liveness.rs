@@ -89,6 +89,11 @@ impl Liveness {
         self.opened = now;
     }
 
+    /// Since when nothing prevents a stop from ending.
+    pub(super) const fn healthy_since(&self) -> Option<Instant> {
+        self.healthy_since
+    }
+
     /// A stop of these motors began, or they joined one.
     pub(super) fn stop_begins(&mut self, now: Instant, driven: &[MotorId]) {
         self.stop_began = Some(now);

@@ -6,8 +6,8 @@ use std::{
 };
 
 use motorlink_bus::{
-    Activity, Bus, Command, Consent, Event, Limits, LineEventKind, OVERCURRENT_FOR, Refusal,
-    Sample, is_hazardous,
+    Activity, Bus, Command, Consent, Event, Limits, LineEventKind, MotorStatus, OVERCURRENT_FOR,
+    Refusal, Sample, is_hazardous,
 };
 use motorlink_protocol::{
     Detail, Frame, Instant, Mode, MotorId, Setpoint,
@@ -119,7 +119,8 @@ impl Operator {
         Ok(())
     }
 
-    fn stands(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) {
+    /// A command is in force from now on.
+    pub(super) fn stands(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) {
         let since = self.standing.get(&id).map_or(now, |before| before.since);
         if since == now {
             self.reported.insert(id, Reported::default());
@@ -180,18 +181,20 @@ impl Operator {
         for id in std::mem::take(&mut self.driven_now) {
             self.may_still_be_driven(now, id)?;
         }
-        let driven: BTreeMap<MotorId, Activity> = bus
+        // A setpoint that waits for a stop or a mode switch is in force after it.
+        let is_driven = |status: &MotorStatus| {
+            let by_now = matches!(
+                status.activity,
+                Activity::Driven { .. } | Activity::Switching { .. }
+            );
+            by_now || status.waiting.is_some()
+        };
+        let driven: BTreeSet<MotorId> = bus
             .motors(now)
-            .map(|status| (status.id, status.activity))
+            .filter(is_driven)
+            .map(|status| status.id)
             .collect();
-        // A setpoint given during a mode switch is in force after it.
-        self.standing.retain(|id, _| {
-            let activity = driven.get(id);
-            matches!(
-                activity,
-                Some(Activity::Driven { .. } | Activity::Switching { .. })
-            )
-        });
+        self.standing.retain(|id, _| driven.contains(id));
         self.raw = self
             .raw
             .filter(|_| bus.raw().is_some_and(|raw| raw.running));

@@ -53,6 +53,7 @@ pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
 fn status(last: Option<Sample>) -> MotorStatus {
     let setpoint = SpeedTarget::new(100).map(Setpoint::velocity);
     MotorStatus {
+        waiting: None,
         id: MotorId::FIRST,
         activity: setpoint.map_or(Activity::Idle, |setpoint| Activity::Driven { setpoint }),
         last,

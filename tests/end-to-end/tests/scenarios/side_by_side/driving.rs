@@ -4,10 +4,10 @@ use std::{thread, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_ends_braked, assert_quiet_console, number, spin, spin_by, wait_for_speed,
-    wait_for_wire, wait_until_enabled,
+    wait_for_wire,
 };
-use anyhow::Result;
-use end_to_end::{Bench, Line, Usb, WAIT_MAX, now_us, wait_until};
+use anyhow::{Context, Result};
+use end_to_end::{Bench, Frame, Line, Usb, now_us, wait_until};
 
 /// The main job.
 #[test]
@@ -111,26 +111,16 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Current")?;
-    page.click("button", "Switch to current loop")?;
-    page.wait_for_text("output", "Mode", |text| {
-        text.to_lowercase().contains("current")
-    })?;
     let pressed = now_us();
     page.click("button", "+0.5 A")?;
     wait_for_speed(page, 30..=250)?;
     let drives = scenario.since(pressed)?.drives();
-    assert_eq!(
-        drives.last().and_then(end_to_end::Frame::drive_setpoint),
-        Some(2_048)
-    );
+    assert_eq!(drives.last().and_then(Frame::drive_setpoint), Some(2_048));
     let pressed = now_us();
     page.click("button", "Stop")?;
     thread::sleep(Duration::from_millis(300));
     let drives = scenario.since(pressed)?.drives();
-    assert_eq!(
-        drives.last().and_then(end_to_end::Frame::drive_setpoint),
-        Some(0)
-    );
+    assert_eq!(drives.last().and_then(Frame::drive_setpoint), Some(0));
     // It coasts: after a second it still turns.
     thread::sleep(Duration::from_secs(1));
     assert!(number(&page.text("output", "Speed")?).is_some_and(|rpm| rpm > 10.0));
@@ -143,10 +133,6 @@ fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Position")?;
-    page.click("button", "Switch to position loop")?;
-    page.wait_for_text("output", "Mode", |text| {
-        text.to_lowercase().contains("position")
-    })?;
     page.click("button", "90°")?;
     let at_90 = |text: &str| number(text).is_some_and(|angle| (angle - 90.0).abs() < 3.0);
     page.wait_for_text("output", "Position", at_90)?;
@@ -157,18 +143,41 @@ fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
     Ok(())
 }
 
+/// Two presses lead from 100 rpm to 90 degrees. The wheel stands before its loop is switched.
 #[test]
-fn the_position_loop_is_not_offered_to_a_turning_wheel() -> Result<()> {
+fn a_start_in_another_loop_stops_switches_and_drives() -> Result<()> {
     let scenario = Scenario::spinning()?;
     let page = &scenario.page;
     page.click("tab", "Position")?;
-    let switch = page.find("button", "Switch to position loop")?;
-    assert!(switch.disabled, "at 100 rpm");
-    assert!(
-        switch.description.contains("10 rpm"),
-        "{}",
-        switch.description
-    );
+    let pressed = now_us();
+    page.click("button", "90°")?;
+    let at_90 = |text: &str| number(text).is_some_and(|angle| (angle - 90.0).abs() < 3.0);
+    page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("position")
+    })?;
+    page.wait_for_text("output", "Position", at_90)?;
+    let wire = scenario.since(pressed)?;
+    let first = |is_it: fn(&Frame) -> bool| wire.frames.iter().position(is_it);
+    let braked = first(Frame::brakes).context("no brake")?;
+    let switched = first(|frame| frame.bytes.starts_with(&[1, 0xA0])).context("no switch")?;
+    let quarter = Some(8_192);
+    let driven = wire
+        .frames
+        .iter()
+        .position(|it| it.drive_setpoint() == quarter);
+    let driven = driven.context("no drive")?;
+    assert!(braked < switched && switched < driven, "{wire}");
+    // What waits for a stop ends with the next one.
+    page.click("tab", "Velocity")?;
+    let pressed = now_us();
+    page.click("button", "+50")?;
+    page.click("button", "Stop")?;
+    wait_for_speed(page, 0..=0)?;
+    thread::sleep(Duration::from_secs(1));
+    let wire = scenario.since(pressed)?;
+    assert!(wire.drives().frames.iter().any(Frame::brakes), "{wire}");
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    assert_quiet_console(page);
     Ok(())
 }
 
@@ -234,43 +243,5 @@ fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
             .all(|frame| frame.id() == Some(7))
     );
     assert_quiet_console(&page);
-    Ok(())
-}
-
-/// In the panel, where touch and keyboard reach it.
-#[test]
-fn the_panel_says_what_has_to_be_done_before_another_loop() -> Result<()> {
-    let scenario = Scenario::spinning()?;
-    let page = &scenario.page;
-    let wait_for_reason = |wanted: &str| {
-        wait_until(wanted, WAIT_MAX, || {
-            let reason = "document.querySelector('.tab-panel:not(.closed) .reason').textContent";
-            let reason = page.evaluate(reason)?.to_string();
-            Ok(if reason.contains(wanted) {
-                Ok(())
-            } else {
-                Err(reason)
-            })
-        })
-    };
-    page.click("tab", "Position")?;
-    wait_for_reason("needs less than 10 rpm")?;
-    page.press("s")?;
-    wait_for_speed(page, 0..=0)?;
-    page.click("tab", "Position")?;
-    wait_for_reason("Press Switch to position loop")?;
-    page.click("button", "Switch to position loop")?;
-    wait_until_enabled(page, "button", "Go", true)?;
-    // Go is enabled while the motor still switches.
-    wait_until("the motor to be in the position loop", WAIT_MAX, || {
-        let switch = page.find("button", "Switch to position loop")?;
-        let is_done = switch.disabled && switch.description.contains("already in the position");
-        Ok(if is_done {
-            Ok(())
-        } else {
-            Err(switch.description)
-        })
-    })?;
-    assert_quiet_console(page);
     Ok(())
 }

@@ -23,7 +23,7 @@ fn a_busy_minute(scenario: &Scenario) -> Result<()> {
     })?;
     page.click("button", "Release")?;
     page.click("tab", "Current")?;
-    page.click("button", "Switch to current loop")?;
+    page.click("button", "0 A")?;
     page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("current")
     })?;

@@ -33,14 +33,12 @@ struct Case {
 /// A loop with a setpoint that turns a free wheel.
 struct Loop {
     tab: &'static str,
-    switch: &'static str,
     field: &'static str,
     setpoint: &'static str,
 }
 
 const OPEN_LOOP: Loop = Loop {
     tab: "Open loop",
-    switch: "Switch to open loop",
     field: "Target output",
     // A fifth of the supply.
     setpoint: "6553",
@@ -48,13 +46,11 @@ const OPEN_LOOP: Loop = Loop {
 /// 15 mA: the free wheel gains 40 rpm in a second, and stays below the speed limit.
 const CURRENT: Loop = Loop {
     tab: "Current",
-    switch: "Switch to current loop",
     field: "Raw current",
     setpoint: "60",
 };
 const POSITION: Loop = Loop {
     tab: "Position",
-    switch: "Switch to position loop",
     field: "Target angle",
     setpoint: "90",
 };
@@ -134,7 +130,6 @@ fn operate_every_loop(case: &Case) -> Result<()> {
     velocity(&mut scenario, case.at_50_rpm)?;
     assert_eq!(scenario.page.evaluate(COVERS_ITS_SCALE)?, json!(false));
     for it in case.loops {
-        switched(&scenario.page, it)?;
         turned_and_stopped(&mut scenario, it, case.relative)?;
     }
     limited(&mut scenario)?;
@@ -185,27 +180,10 @@ fn press_until(
     })
 }
 
-/// Opens the tab of this loop and switches the motor to it, which is in the velocity loop.
-fn switched(page: &Page, it: &Loop) -> Result<()> {
-    page.click("tab", it.tab)?;
-    page.find("spinbutton", it.field)?;
-    wait_until_enabled(page, "button", it.switch, true)?;
-    let says = ["did not confirm the switch", "is still in the"];
-    press_until(page, it.switch, &says, || {
-        wait_until("Start to be enabled", DONE_MAX, || {
-            let start = page.find("button", start(it))?;
-            Ok(if start.disabled {
-                Err(start.description)
-            } else {
-                Ok(())
-            })
-        })
-    })
-}
-
-/// Starts the motor, waits until its wheel has turned, and stops it with Space.
+/// Starts the motor in this loop, waits until its wheel has turned, and stops it with Space.
 fn turned_and_stopped(scenario: &mut Scenario, it: &Loop, relative: bool) -> Result<()> {
     let page = &scenario.page;
+    page.click("tab", it.tab)?;
     page.fill("spinbutton", it.field, it.setpoint)?;
     let is_position = it.tab == POSITION.tab;
     let before = page.wait_for_text("output", "Position", |text| number(text).is_some())?;
@@ -219,7 +197,13 @@ fn turned_and_stopped(scenario: &mut Scenario, it: &Loop, relative: bool) -> Res
         }
     };
     let output = if is_position { "Position" } else { "Speed" };
-    press_until(page, start(it), &rules::LOST, || {
+    let unconfirmed = [
+        "did not confirm the switch",
+        "is still in the",
+        "has not confirmed standstill",
+    ];
+    let says = [&rules::LOST[..], &unconfirmed].concat();
+    press_until(page, start(it), &says, || {
         let moved = |text: &str| number(text).is_some_and(has_moved);
         page.wait_for_text_within(DONE_MAX, "output", output, moved)?;
         Ok(())

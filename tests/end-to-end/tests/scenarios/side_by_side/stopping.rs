@@ -11,11 +11,10 @@ use end_to_end::{Line, now_us};
 fn in_the_current_loop() -> Result<Scenario> {
     let scenario = Scenario::connected(Line::default())?;
     scenario.page.click("tab", "Current")?;
-    scenario.page.click("button", "Switch to current loop")?;
+    scenario.page.click("button", "+0.5 A")?;
     scenario
         .page
         .wait_for_text("output", "Mode", |t| t.to_lowercase().contains("current"))?;
-    scenario.page.click("button", "+0.5 A")?;
     wait_for_speed(&scenario.page, 30..=250)?;
     Ok(scenario)
 }
@@ -23,11 +22,10 @@ fn in_the_current_loop() -> Result<Scenario> {
 fn in_the_position_loop() -> Result<Scenario> {
     let scenario = Scenario::connected(Line::default())?;
     scenario.page.click("tab", "Position")?;
-    scenario.page.click("button", "Switch to position loop")?;
+    scenario.page.click("button", "180°")?;
     scenario
         .page
         .wait_for_text("output", "Mode", |t| t.to_lowercase().contains("position"))?;
-    scenario.page.click("button", "180°")?;
     let there = |text: &str| number(text).is_some_and(|angle| (angle - 180.0).abs() < 3.0);
     scenario.page.wait_for_text("output", "Position", there)?;
     Ok(scenario)

@@ -57,11 +57,10 @@ fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> 
     let mut scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Current")?;
-    page.click("button", "Switch to current loop")?;
+    page.click("button", "+0.5 A")?;
     page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("current")
     })?;
-    page.click("button", "+0.5 A")?;
     wait_for_speed(page, 30..=250)?;
     // The stop ends in the velocity loop: a current would be a speed.
     survives_a_pull(&mut scenario)?;
@@ -76,10 +75,6 @@ fn an_adapter_pulled_out_of_the_position_loop_comes_back_and_drives_nothing() ->
     let mut scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     page.click("tab", "Position")?;
-    page.click("button", "Switch to position loop")?;
-    page.wait_for_text("output", "Mode", |text| {
-        text.to_lowercase().contains("position")
-    })?;
     let pressed = now_us();
     page.click("button", "180°")?;
     wait_for_wire(&scenario, pressed, "the wheel to be on its way", |wire| {
