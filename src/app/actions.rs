@@ -17,10 +17,10 @@ use crate::{
         names_and_sides::NamesAndSides,
         notice_board::Remedy,
         page::{Change, Dialog},
+        place::Place,
         preferences::Preferences,
         replay::{self, Crossing},
         setup::Setup,
-        tab::Tab,
     },
 };
 
@@ -84,7 +84,7 @@ impl Features {
         match remedy {
             Remedy::ShowAllPorts => self.connect.choose_port(false),
             Remedy::FullScan => {
-                self.page.open_tab(Tab::IdManager);
+                self.page.open(Place::Setup);
                 self.ids.full_scan();
             }
             Remedy::TakeNewVersion => self.install.take_new_version(),

@@ -17,12 +17,12 @@ use crate::{
 };
 
 /// What is opened and entered.
-const OPENED: &str = ".drawer, [role=dialog], [role=alertdialog]";
+const OPENED: &str = ".opened, [role=dialog], [role=alertdialog]";
 
 /// What takes the focus of a control in it. The header does not: from there the focus goes to the controls.
 const AROUND: &str = "section, [role=tabpanel], .tour, [role=dialog]";
 
-/// The control panel, for everything else.
+/// The desk, for everything else.
 const CONTROLS: &str = "#control";
 
 /// What had the focus.
@@ -62,9 +62,9 @@ pub(crate) fn keep(page: Page) {
         pass_on_if_dropped(&shown);
     });
     effect(move || {
-        if page.drawer.get().is_some() {
+        if page.panel().is_some() {
             in_two_frames(|| {
-                let panel = document().query_selector(".drawer:not([hidden])");
+                let panel = document().query_selector(".opened:not([hidden])");
                 if let Some(panel) = panel.ok().flatten() {
                     enter(&panel);
                 }

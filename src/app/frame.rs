@@ -9,9 +9,8 @@ use crate::{
         features::Features,
         sections::Frame,
     },
-    model::page::Dialog,
+    model::{page::Dialog, tab},
     ui::{
-        drawer::{Drawer, panel_of_drawer},
         reactive::{dynamic, handler},
         tab_panel::tab_panel,
     },
@@ -27,12 +26,12 @@ pub(crate) fn frame(
     let page = features.page;
     let notice = notice(state, retry);
     match frame {
-        Frame::Panel(class) => view! { <section class=class>{notice}</section> }.into_any(),
-        Frame::Tab(tab) => {
-            tab_panel(tab.key(), move || page.loops.tab.get() != tab, notice).into_any()
+        Frame::Panel(class, is_open) => {
+            view! { <section class=class hidden=dynamic(move || !is_open(page))>{notice}</section> }
+                .into_any()
         }
-        Frame::Drawer(which) => {
-            panel_of_drawer(page.drawer, which, title(which), notice).into_any()
+        Frame::Tab(mode) => {
+            tab_panel(tab::key(mode), move || page.loops.tab.get() != mode, notice).into_any()
         }
         Frame::Nothing => ().into_any(),
         Frame::Help => {
@@ -53,21 +52,5 @@ pub(crate) fn frame(
             }
             .into_any()
         }
-    }
-}
-
-fn title(drawer: Drawer) -> &'static str {
-    match drawer {
-        Drawer::Link => tr!("Link"),
-        // The setup of the wheels and the session file come with the panel Drive together, and have no placeholder.
-        Drawer::Together
-        | Drawer::WheelSetup
-        | Drawer::Session
-        | Drawer::SetupLink
-        | Drawer::Experiments => {
-            tr!("Drive together")
-        }
-        Drawer::Settings => tr!("Settings"),
-        Drawer::VirtualMotors => tr!("Virtual motors"),
     }
 }

@@ -24,7 +24,7 @@ use crate::{
 /// The combobox of the language.
 const LANGUAGE: &str = "language";
 
-/// The control panel.
+/// The desk.
 const CONTROLS: &str = "control";
 
 #[component]

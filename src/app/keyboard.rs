@@ -15,6 +15,7 @@ use crate::{
     model::{
         keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
         page::{Dialog, Page},
+        place::Place,
         replay::{self, Crossing},
         snapshot::Session,
     },
@@ -95,13 +96,12 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
         return;
     }
     let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
-    // Keys do not drive while a dialog is open, nor beside the textbox for hex digits, most of which
-    // are drive keys.
+    // Keys do not drive while a dialog is open, nor where the controls are not shown: most hex digits are drive keys.
     if goes_down
         && !event.repeat()
         && let Some(action) = key_action(&key, modified, focus())
         && features.page.dialog.with_untracked(Option::is_none)
-        && !(action.drives() && features.page.loops.tab.get_untracked().is_tool())
+        && (!action.drives() || features.page.open.get_untracked().place == Place::Drive)
     {
         event.prevent_default();
         features.run_key_action(action);
@@ -121,10 +121,10 @@ fn close_one(page: Page) -> bool {
         page.decline();
     } else {
         let inner = document().query_selector(FIRST_TO_ESCAPE);
-        if page.drawer.get_untracked().is_none() || matches!(inner, Ok(Some(_))) {
+        if page.open.get_untracked().panel.is_none() || matches!(inner, Ok(Some(_))) {
             return false;
         }
-        page.drawer.set(None);
+        page.show_panel(None);
     }
     true
 }

@@ -1,8 +1,9 @@
-//! A panel of the drawer whose part of the program is loaded when the panel is opened first: few people need it.
+//! A panel whose part of the program is loaded when the panel is opened first: few people need it.
 
 use std::pin::Pin;
 
 use leptos::{html::Div, prelude::*, task::spawn_local, wasm_split::SplitLoaderError};
+use motorlink_i18n::tr;
 
 use crate::{
     app::{
@@ -10,24 +11,66 @@ use crate::{
         features::Features,
         mount::{Hosts, Mounted},
     },
+    model::{
+        page::Page,
+        place::{Panel, Place},
+    },
     ui::{
-        drawer::{Drawer, panel_of_drawer},
+        panel::{OnClose, panel},
         reactive::effect,
     },
 };
+
+/// A panel that loads when it is opened first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LaterPanel {
+    /// Saves and opens session files.
+    Session,
+    /// What is asked of motors, and the runs that ask it.
+    Experiments,
+    /// The setup of the wheels of a rover.
+    WheelSetup,
+    /// The setup as a link.
+    SetupLink,
+}
+
+impl LaterPanel {
+    fn is_open(self, page: Page) -> bool {
+        match self {
+            Self::Session => page.place() == Place::Record,
+            Self::Experiments => page.place() == Place::Test,
+            Self::WheelSetup => page.panel() == Some(Panel::WheelSetup),
+            Self::SetupLink => page.panel() == Some(Panel::SetupLink),
+        }
+    }
+
+    /// The panel, with its name.
+    fn framed(self, page: Page, content: impl IntoView + 'static) -> impl IntoView {
+        let (class, title, is_closable) = match self {
+            Self::Session => ("panel place second session", tr!("Session file"), false),
+            Self::Experiments => ("panel place whole", tr!("Experiments"), false),
+            Self::WheelSetup => {
+                let title = tr!("Set up the wheels of a rover");
+                ("panel opened place first", title, true)
+            }
+            Self::SetupLink => ("panel opened place second", tr!("Setup link"), true),
+        };
+        let close: OnClose = is_closable.then(|| page.closer());
+        panel(class, title, move || self.is_open(page), close, content)
+    }
+}
 
 /// Loads a part, and mounts this panel of it.
 pub(crate) type Load =
     fn(
         Hosts,
         Features,
-        Drawer,
+        LaterPanel,
     ) -> Pin<Box<dyn Future<Output = Result<Vec<Option<Mounted>>, SplitLoaderError>>>>;
 
 /// The panel. `owner` is the owner of the page.
 pub(crate) fn later_panel(
-    which: Drawer,
-    title: &'static str,
+    which: LaterPanel,
     features: Features,
     owner: StoredValue<WeakOwner>,
     load: Load,
@@ -54,15 +97,12 @@ pub(crate) fn later_panel(
         });
     };
     effect(move || {
-        let is_open = page.drawer.get() == Some(which);
-        if is_open && mounted.with_value(Vec::is_empty) {
+        if which.is_open(page) && mounted.with_value(Vec::is_empty) {
             load();
         }
     });
-    panel_of_drawer(
-        page.drawer,
-        which,
-        title,
+    which.framed(
+        page,
         view! { <div node_ref=place>{notice(state, load)}</div> },
     )
 }

@@ -15,13 +15,13 @@ pub(crate) mod mounting;
 pub(crate) mod parts;
 pub(crate) mod question_dialog;
 pub(crate) mod questions;
+pub(crate) mod rail;
 pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
 pub(crate) mod replay;
 mod rescue;
 pub(crate) mod routing;
 pub(crate) mod sections;
-pub(crate) mod tab_bar;
 
 use std::time::Duration;
 

@@ -27,48 +27,40 @@ use crate::{
         frame::frame,
         mount::{Hosts, Mounted, mount},
         parts::Part,
-        sections::{Frame, Place, SECTIONS, Section},
+        sections::{Area, Frame, SECTIONS, Section},
     },
     ui::reactive::{dynamic, effect},
 };
 
 /// Where the sections are mounted.
 #[derive(Clone, Copy, Default)]
-struct Places {
+struct Areas {
     top: NodeRef<Div>,
     above_desk: NodeRef<Div>,
-    dock: NodeRef<Div>,
     desk: NodeRef<Main>,
     dialogs: NodeRef<Div>,
 }
 
-impl Places {
+impl Areas {
     fn clear(self) {
-        for place in [
-            Place::Top,
-            Place::AboveDesk,
-            Place::Dock,
-            Place::Desk,
-            Place::Dialogs,
-        ] {
-            if let Some(element) = self.element(place) {
+        for area in [Area::Top, Area::AboveDesk, Area::Desk, Area::Dialogs] {
+            if let Some(element) = self.element(area) {
                 element.set_text_content(None);
             }
         }
     }
 
-    /// `None` after the page is closed, or before the section with that place is mounted.
-    fn element(self, place: Place) -> Option<HtmlElement> {
-        Some(match place {
-            Place::Top => self.top.get_untracked()?.into(),
-            Place::AboveDesk => self.above_desk.get_untracked()?.into(),
-            Place::Dock => self.dock.get_untracked()?.into(),
-            Place::Desk => self.desk.get_untracked()?,
-            Place::TabPanels => {
+    /// `None` after the page is closed, or before the section with that area is mounted.
+    fn element(self, area: Area) -> Option<HtmlElement> {
+        Some(match area {
+            Area::Top => self.top.get_untracked()?.into(),
+            Area::AboveDesk => self.above_desk.get_untracked()?.into(),
+            Area::Desk => self.desk.get_untracked()?,
+            Area::TabPanels => {
                 let panels = self.desk.get_untracked()?.query_selector(".tab-panels");
                 panels.ok()??.dyn_into().ok()?
             }
-            Place::Dialogs => self.dialogs.get_untracked()?.into(),
+            Area::Dialogs => self.dialogs.get_untracked()?.into(),
         })
     }
 }
@@ -85,7 +77,7 @@ struct Waiting {
 #[derive(Clone, Copy)]
 struct Assembly {
     features: Features,
-    places: Places,
+    areas: Areas,
     /// The owner of the page; weak, because it owns this value.
     owner: StoredValue<WeakOwner>,
     /// Number of mounted sections and placeholders, in the order of `SECTIONS`.
@@ -111,7 +103,7 @@ impl Assembly {
             return None;
         }
         let (place, section) = SECTIONS.get(self.added.get_value())?;
-        let place = self.places.element(*place)?;
+        let place = self.areas.element(*place)?;
         match section {
             Section::Now(mount) => {
                 let section = mount(place, self.features);
@@ -256,10 +248,10 @@ fn focus_first(host: &HtmlElement) {
 /// The page without its sections, which are mounted one by one until it is `complete`, and again in another
 /// language. As a reactive view, every element would need update code: a fifth of the whole program.
 pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl IntoView {
-    let places = Places::default();
+    let areas = Areas::default();
     let assembly = Assembly {
         features,
-        places,
+        areas,
         owner: StoredValue::new(Owner::current().unwrap_or_default().downgrade()),
         added: StoredValue::new(0),
         sections: StoredValue::new_local(Vec::new()),
@@ -276,7 +268,7 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
         assembly.waiting.set_value(Vec::new());
         assembly.added.set_value(0);
         assembly.partial.set(true);
-        places.clear();
+        areas.clear();
         if assembly.complete.get_untracked() {
             // STOP cannot be pressed until it is mounted again.
             while assembly.add_next(round).is_some() {}
@@ -300,15 +292,15 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
             class:incomplete=dynamic(move || !assembly.complete.get())
             class:partial=dynamic(move || assembly.partial.get())
         >
-            <div class="top" node_ref=places.top></div>
-            <div class="above-desk" inert=behind_dialog node_ref=places.above_desk></div>
+            <div class="top" node_ref=areas.top></div>
+            <div class="above-desk" inert=behind_dialog node_ref=areas.above_desk></div>
             <div class="workspace" inert=behind_dialog>
-                <div class="dock" node_ref=places.dock></div>
                 <div class="desk-place">
-                    <main class="desk" node_ref=places.desk></main>
+                    // The skip link leads here.
+                    <main class="desk" id="control" tabindex="-1" node_ref=areas.desk></main>
                 </div>
             </div>
-            <div class="dialogs" node_ref=places.dialogs></div>
+            <div class="dialogs" node_ref=areas.dialogs></div>
         </div>
     }
 }

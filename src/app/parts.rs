@@ -7,17 +7,17 @@
 )]
 
 use leptos::{prelude::*, wasm_split::SplitLoaderError};
-use motorlink_i18n::{load_later_texts, tr};
+use motorlink_i18n::load_later_texts;
 
 use crate::{
     app::{
         features::Features,
         focus,
-        later_panel::{Load, later_panel},
+        later_panel::{LaterPanel, Load, later_panel},
         mount::{Hosts, Mounted},
         question_dialog::QuestionDialog,
+        rail::Rail,
         replay, rescue,
-        tab_bar::TabBar,
     },
     features::{
         connect::panel::VirtualMotorsPanel,
@@ -26,13 +26,13 @@ use crate::{
         graph::Graph,
         groups::panel::TogetherPanel,
         help::{HelpDialog, tour::Shown, tour_view::TourNotice},
-        ids::{state::IdManager, view::IdManagerTab},
+        ids::{state::IdManager, view::IdManagerPanel},
         install::texts,
         link_doctor::panel::LinkPanel,
         motors::{name_dialog::NameDialog, strip::MotorStrip},
         notices::Notices,
         packet_log::PacketLog,
-        raw::view::RawHexTab,
+        raw::view::RawHexPanel,
         recording::Recording,
         rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
@@ -49,16 +49,15 @@ use crate::{
         },
     },
     model::later_notices,
-    ui::drawer::Drawer,
 };
 
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The rest of the main view: the rover, notices, motor strip, the other loops' tabs, packet log, graph, recording, the
-    /// tab bar of a phone, questions.
+    /// The rest of the main view: the rover, notices, rail, motor strip, the other loops' tabs, packet log, graph,
+    /// questions.
     Desk,
-    /// ID manager, raw frames and the panels of the drawer.
+    /// The panels of the places, and the choice of virtual motors.
     Tools,
     /// The help.
     Help,
@@ -102,7 +101,7 @@ macro_rules! in_part {
         fn $name(
             hosts: Hosts,
             $features: Features
-            $(, $which: Drawer)?
+            $(, $which: LaterPanel)?
         ) -> Result<Sections, SplitLoaderError> {
             let mut $hosts = hosts;
             Ok($sections.into())
@@ -112,7 +111,7 @@ macro_rules! in_part {
         async fn $name(
             mut $hosts: Hosts,
             $features: Features
-            $(, $which: Drawer)?
+            $(, $which: LaterPanel)?
         ) -> Result<Sections, SplitLoaderError> {
             Ok($sections.into())
         }
@@ -138,11 +137,10 @@ in_part!(desk: fn mount_desk(hosts, features) [
         let incoming = Incoming::of_page(&hosts.owner);
         hosts.mount(move || {
             incoming.listen(features.page);
-            Recording()
+            Rail()
         })
     },
     hosts.mount(MotorStrip),
-    hosts.mount(TabBar),
     hosts.mount(move || {
         view! {
             <QuestionDialog features />
@@ -155,54 +153,53 @@ in_part!(desk: fn mount_desk(hosts, features) [
 in_part!(tools: fn mount_tools(hosts, features) [
     {
         load_later_texts();
-        hosts.mount(move || view! { <IdManagerTab ids=features.ids /> })
+        let rover = Rover::of_page(&hosts.owner, features.page);
+        hosts.mount(move || {
+            let measures = view! { <GeometryFields rover /> };
+            view! { <TogetherPanel groups=features.groups measures /> }
+        })
     },
-    hosts.mount(move || view! { <RawHexTab raw=features.raw /> }),
-    hosts.mount(move || view! { <VirtualMotorsPanel connect=features.connect /> }),
+    {
+        features.ids.listen();
+        hosts.mount(move || view! { <IdManagerPanel ids=features.ids /> })
+    },
+    hosts.mount(move || settings_panel(features)),
     hosts.mount(move || {
         view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
     }),
+    hosts.mount(move || view! { <RawHexPanel raw=features.raw /> }),
+    hosts.mount(Recording),
     {
-        let rover = Rover::of_page(&hosts.owner, features.page);
         let owner = hosts.owner.downgrade();
-        features.ids.listen();
         hosts.mount(move || {
             let owner = StoredValue::new(owner);
-            let measures = view! { <GeometryFields rover /> };
-            let panel = |which, title| {
-                let load: Load =
-                    |hosts, features, which| Box::pin(mount_seldom(hosts, features, which));
-                later_panel(which, title, features, owner, load)
+            let load: Load = |hosts, features, which| match which {
+                LaterPanel::Experiments => Box::pin(mount_experiments(hosts, features)),
+                _ => Box::pin(mount_seldom(hosts, features, which)),
             };
-            let wheels = panel(Drawer::WheelSetup, tr!("Set up the wheels of a rover"));
-            let session = panel(Drawer::Session, tr!("Session file"));
-            let setup_link = panel(Drawer::SetupLink, tr!("Setup link"));
-            let load: Load = |hosts, features, _| Box::pin(mount_experiments(hosts, features));
-            let title = tr!("Experiments");
-            let experiments = later_panel(Drawer::Experiments, title, features, owner, load);
             setup_link::address::watch(features.page);
+            let panel = |which| later_panel(which, features, owner, load);
             view! {
-                <TogetherPanel groups=features.groups measures />
-                {wheels}
-                {session}
-                {setup_link}
-                {experiments}
+                {panel(LaterPanel::Session)}
+                {panel(LaterPanel::Experiments)}
+                {panel(LaterPanel::WheelSetup)}
+                {panel(LaterPanel::SetupLink)}
             }
         })
     },
-    hosts.mount(move || settings_panel(features)),
+    hosts.mount(move || view! { <VirtualMotorsPanel connect=features.connect /> }),
 ]);
 
 // One function for all panels: each function, and each part, adds to the first program.
 in_part!(seldom: fn mount_seldom(hosts, features, which) [{
     load_later_texts();
-    if which == Drawer::Session {
+    if which == LaterPanel::Session {
         let incoming = Incoming::of_page(&hosts.owner);
         let rover = Rover::of_page(&hosts.owner, features.page);
         let instruments = move || replay::instruments(features, rover);
         let files = SessionFiles::of_page(&hosts.owner, features.page, instruments);
         hosts.mount(move || view! { <SessionPanel files incoming /> })
-    } else if which == Drawer::SetupLink {
+    } else if which == LaterPanel::SetupLink {
         let chart = features.chart;
         let graph = move || LinkedGraph {
             shown: Box::new(move || chart.graph_view()),

@@ -6,7 +6,10 @@
 use std::cell::RefCell;
 
 use leptos::prelude::{Update as _, *};
-use motorlink_messages::{Adapter, Connection, Update, protocol::MotorId};
+use motorlink_messages::{
+    Adapter, Connection, Update,
+    protocol::{Mode, MotorId},
+};
 
 use crate::{
     app::features::Features,
@@ -16,9 +19,7 @@ use crate::{
         session_file::player::{Instruments, Show},
         telemetry::fault_history::FaultHistory,
     },
-    model::{
-        history::History, names_and_sides::NamesAndSides, page::Page, snapshot::Session, tab::Tab,
-    },
+    model::{history::History, names_and_sides::NamesAndSides, page::Page, snapshot::Session},
 };
 
 /// The live line while a recording is shown.
@@ -29,7 +30,7 @@ struct Live {
     log: LogFeed,
     names: NamesAndSides,
     selected: MotorId,
-    tab: Tab,
+    tab: Mode,
 }
 
 /// The instruments of the page, for a recording.

@@ -21,11 +21,11 @@ use crate::{
         notice_lifetime::{self, review},
         notice_texts,
         page::Change,
+        place::Place,
         replay::{self, Crossing},
         runs,
         scan_texts::belongs_to_id_manager,
         snapshot::{Reading, Session},
-        tab::Tab,
     },
     ui::{clock::page_origin_ms, frame_rate::set_frame_rate},
 };
@@ -173,11 +173,11 @@ impl Features {
             self.raw.notice(notice);
             self.groups.notice(notice);
         }
-        // The open tab already shows it.
-        let said_by_tab = match self.page.loops.tab.get_untracked() {
-            Tab::IdManager => belongs_to_id_manager(notice),
-            Tab::RawHex => belongs_to_raw_editor(notice),
-            Tab::Loop(_) => false,
+        // The open place already shows it.
+        let said_there = match self.page.open.get_untracked().place {
+            Place::Setup => belongs_to_id_manager(notice),
+            Place::Diagnose => belongs_to_raw_editor(notice),
+            Place::Drive | Place::Record | Place::Test => false,
         };
         let words = self.page.latest.with_value(|session| {
             let words = || notice_texts::of_notice_in(notice, session);
@@ -186,7 +186,7 @@ impl Features {
         });
         if let Some((words, line, until)) = words {
             self.page.log(at, line);
-            if !said_by_tab {
+            if !said_there {
                 self.page.show_notice(words, until);
             }
         } else if let Some(line) = untranslated(|| log_lines::of_quiet_notice(notice)) {

@@ -18,18 +18,18 @@ use crate::{
         stop::dialog::StoppedDialog,
         telemetry::{Telemetry, twin::panel::WheelPanel},
     },
-    model::tab::Tab,
-    ui::drawer::Drawer,
+    model::{
+        page::Page,
+        place::{Panel, Place},
+    },
 };
 use web_sys::HtmlElement;
 
-/// The places of sections, in the order of the page.
+/// Where sections are mounted, in the order of the page.
 #[derive(Clone, Copy)]
-pub(crate) enum Place {
+pub(crate) enum Area {
     Top,
     AboveDesk,
-    /// Beside the desk on a wide screen, over it on a narrow one.
-    Dock,
     Desk,
     TabPanels,
     Dialogs,
@@ -47,12 +47,10 @@ pub(crate) enum Section {
 /// The placeholder of a section until its part is loaded.
 #[derive(Clone, Copy)]
 pub(crate) enum Frame {
-    /// A panel of the main view, by its class.
-    Panel(&'static str),
+    /// A panel, by its class, and whether it is shown.
+    Panel(&'static str, fn(Page) -> bool),
     /// A panel of the tabs.
-    Tab(Tab),
-    /// A panel of the drawer.
-    Drawer(Drawer),
+    Tab(Mode),
     /// The help.
     Help,
     /// None: the section appears when it has something to show.
@@ -60,9 +58,9 @@ pub(crate) enum Frame {
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Place, Section); 24] = [
+pub(crate) const SECTIONS: [(Area, Section); 25] = [
     (
-        Place::Top,
+        Area::Top,
         Section::Now(|place, features| {
             mount(&place, move || {
                 let behind_dialog = Signal::derive(move || features.page.is_behind_dialog());
@@ -71,11 +69,11 @@ pub(crate) const SECTIONS: [(Place, Section); 24] = [
         }),
     ),
     (
-        Place::Desk,
+        Area::Desk,
         Section::Now(|place, _| mount(&place, ControlPanel)),
     ),
     (
-        Place::TabPanels,
+        Area::TabPanels,
         Section::Now(|place, features| {
             mount(
                 &place,
@@ -84,27 +82,57 @@ pub(crate) const SECTIONS: [(Place, Section); 24] = [
         }),
     ),
     (
-        Place::TabPanels,
-        Section::Later(Part::Desk, Frame::Tab(Tab::Loop(Mode::Current))),
+        Area::TabPanels,
+        Section::Later(Part::Desk, Frame::Tab(Mode::Current)),
     ),
     (
-        Place::TabPanels,
-        Section::Later(Part::Desk, Frame::Tab(Tab::Loop(Mode::Position))),
+        Area::TabPanels,
+        Section::Later(Part::Desk, Frame::Tab(Mode::Position)),
     ),
     (
-        Place::TabPanels,
-        Section::Later(Part::Desk, Frame::Tab(Tab::Loop(Mode::OpenLoop))),
+        Area::TabPanels,
+        Section::Later(Part::Desk, Frame::Tab(Mode::OpenLoop)),
+    ),
+    (Area::TabPanels, Section::Later(Part::Tools, Frame::Nothing)),
+    (
+        Area::Desk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel place first", |page| page.place() == Place::Setup),
+        ),
     ),
     (
-        Place::TabPanels,
-        Section::Later(Part::Tools, Frame::Tab(Tab::IdManager)),
+        Area::Desk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel place second", |page| page.place() == Place::Setup),
+        ),
     ),
     (
-        Place::TabPanels,
-        Section::Later(Part::Tools, Frame::Tab(Tab::RawHex)),
+        Area::Desk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel place first", |page| page.place() == Place::Diagnose),
+        ),
     ),
     (
-        Place::Desk,
+        Area::Desk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel place second", |page| page.place() == Place::Diagnose),
+        ),
+    ),
+    (
+        Area::Desk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel place first", |page| page.place() == Place::Record),
+        ),
+    ),
+    // The panels that load when they are opened.
+    (Area::Desk, Section::Later(Part::Tools, Frame::Nothing)),
+    (
+        Area::Desk,
         Section::Now(|place, features| {
             mount(
                 &place,
@@ -113,7 +141,7 @@ pub(crate) const SECTIONS: [(Place, Section); 24] = [
         }),
     ),
     (
-        Place::Desk,
+        Area::Desk,
         Section::Now(|place, features| {
             mount(
                 &place,
@@ -122,47 +150,36 @@ pub(crate) const SECTIONS: [(Place, Section); 24] = [
         }),
     ),
     // In the place of the wheel.
-    (Place::Desk, Section::Later(Part::Desk, Frame::Nothing)),
+    (Area::Desk, Section::Later(Part::Desk, Frame::Nothing)),
     (
-        Place::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel notices")),
+        Area::Desk,
+        Section::Later(Part::Desk, Frame::Panel("panel notices", |_| true)),
     ),
     (
-        Place::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel packet-log")),
+        Area::Desk,
+        Section::Later(Part::Desk, Frame::Panel("panel packet-log", |_| true)),
     ),
     (
-        Place::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel graph-panel")),
+        Area::Desk,
+        Section::Later(Part::Desk, Frame::Panel("panel graph-panel", |_| true)),
     ),
     (
-        Place::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel recording")),
-    ),
-    (
-        Place::Desk,
+        Area::Desk,
         Section::Now(|place, _| mount(&place, StoppedDialog)),
     ),
-    (Place::AboveDesk, Section::Later(Part::Desk, Frame::Nothing)),
+    (Area::AboveDesk, Section::Later(Part::Desk, Frame::Nothing)),
+    (Area::AboveDesk, Section::Later(Part::Desk, Frame::Nothing)),
     // Right behind the header with the button that opens it.
     (
-        Place::AboveDesk,
-        Section::Later(Part::Tools, Frame::Drawer(Drawer::VirtualMotors)),
+        Area::AboveDesk,
+        Section::Later(
+            Part::Tools,
+            Frame::Panel("panel opened", |page| {
+                page.panel() == Some(Panel::VirtualMotors)
+            }),
+        ),
     ),
-    (
-        Place::Dock,
-        Section::Later(Part::Tools, Frame::Drawer(Drawer::Link)),
-    ),
-    (
-        Place::Dock,
-        Section::Later(Part::Tools, Frame::Drawer(Drawer::Together)),
-    ),
-    (
-        Place::Dock,
-        Section::Later(Part::Tools, Frame::Drawer(Drawer::Settings)),
-    ),
-    (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
-    (Place::Dialogs, Section::Later(Part::Help, Frame::Help)),
+    (Area::Dialogs, Section::Later(Part::Help, Frame::Help)),
     // Only sections of parts ask questions. The alert of wheels that turn unasked is with them.
-    (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
+    (Area::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
 ];

@@ -29,6 +29,7 @@ pub(crate) mod notice_lifetime;
 pub(crate) mod notice_texts;
 pub(crate) mod own_lines;
 pub(crate) mod page;
+pub(crate) mod place;
 pub(crate) mod point;
 pub(crate) mod preferences;
 pub(crate) mod recorder;

@@ -6,7 +6,7 @@ use motorlink_messages::protocol::family::Model;
 use crate::model::{
     motor_model::{choice_blocked_by, found, shown},
     page::{Change, Page},
-    tab::Tab,
+    tab,
 };
 
 impl Page {
@@ -50,8 +50,8 @@ impl Page {
         let chosen = self.preferences.with_untracked(|chosen| chosen.model);
         let model = self.latest.with_value(|session| shown(session, chosen));
         let tab = self.loops.tab.get_untracked();
-        if !tab.is_of(model) {
-            self.open_tab(Tab::FIRST);
+        if !model.has(tab) {
+            self.loops.tab.set(tab::FIRST);
         }
     }
 }

@@ -25,11 +25,21 @@ use crate::{
         worker_link::{WorkerLink, WorkerState},
     },
     model::{
-        drive_settings::DriveSettings, governor::Governor, help_topic::HelpTopic, history::History,
-        motor_model, names_and_sides::NamesAndSides, names_of_line, notice_board::NoticeBoard,
-        preferences::Preferences, recorder::Recorder, snapshot::Session, tab::Tab,
+        drive_settings::DriveSettings,
+        governor::Governor,
+        help_topic::HelpTopic,
+        history::History,
+        motor_model,
+        names_and_sides::NamesAndSides,
+        names_of_line,
+        notice_board::NoticeBoard,
+        place::{Open, Panel, Place},
+        preferences::Preferences,
+        recorder::Recorder,
+        snapshot::Session,
+        tab,
     },
-    ui::{drawer::Drawer, reactive::memo},
+    ui::reactive::memo,
 };
 
 /// A raw frame to send, and how often.
@@ -98,8 +108,8 @@ pub(crate) enum Change<'a> {
     Motor,
     /// A question was declined or withdrawn.
     Declined,
-    /// Another tab of the control panel was opened.
-    Tab(Tab),
+    /// Another place was opened.
+    Place(Place),
     /// Another model was chosen for the open serial port.
     Model,
     /// The worker has reported this.
@@ -115,7 +125,7 @@ pub(crate) enum Change<'a> {
 pub(crate) enum Listener {
     /// The features of the first program.
     App,
-    /// The tab `ID Manager`.
+    /// The panel `ID Manager`.
     Ids,
     /// The setup of the wheels.
     WheelSetup,
@@ -154,7 +164,7 @@ pub(crate) struct Motors {
 /// The shown and the requested loop.
 #[derive(Clone, Copy)]
 pub(crate) struct Loops {
-    pub(crate) tab: RwSignal<Tab>,
+    pub(crate) tab: RwSignal<Mode>,
     /// Set on connecting until the tab has followed the motor's loop.
     pub(crate) tab_to_follow: StoredValue<bool>,
 }
@@ -196,8 +206,10 @@ pub(crate) struct Parts {
     /// The language; the page is drawn again when it changes.
     pub(crate) language: RwSignal<Language>,
     pub(crate) dialog: RwSignal<Option<Dialog>>,
-    /// The open panel of the drawer.
-    pub(crate) drawer: RwSignal<Option<Drawer>>,
+    /// The open place and panel.
+    pub(crate) open: RwSignal<Open>,
+    /// Whether the place Drive has the controls of the group, not of the motor.
+    pub(crate) group: RwSignal<bool>,
     listeners: StoredValue<Vec<(Listener, OnChange)>, LocalStorage>,
 }
 
@@ -243,7 +255,7 @@ impl Page {
                 steered: RwSignal::new(false),
             },
             loops: Loops {
-                tab: RwSignal::new(Tab::FIRST),
+                tab: RwSignal::new(tab::FIRST),
                 tab_to_follow: StoredValue::new(false),
             },
             settings,
@@ -251,7 +263,11 @@ impl Page {
             preferences,
             language: RwSignal::new(current_language()),
             dialog: RwSignal::new(None),
-            drawer: RwSignal::new(None),
+            open: RwSignal::new(Open {
+                place: Place::Drive,
+                panel: None,
+            }),
+            group: RwSignal::new(false),
             listeners: StoredValue::new_local(Vec::new()),
         })))
     }
@@ -293,12 +309,50 @@ impl Page {
 
     /// Opens the tab of the motor's current or requested loop.
     pub(crate) fn follow(self, mode: Mode) {
-        self.loops.tab.update(|tab| *tab = tab.following(mode));
+        self.loops.tab.set(mode);
     }
 
-    pub(crate) fn open_tab(self, tab: Tab) {
-        self.announce(Change::Tab(tab));
-        self.loops.tab.set(tab);
+    /// The open place.
+    pub(crate) fn place(self) -> Place {
+        self.open.get().place
+    }
+
+    /// The panel that a button has opened.
+    pub(crate) fn panel(self) -> Option<Panel> {
+        self.open.get().panel
+    }
+
+    /// Opens a place. It changes nothing that drives.
+    pub(crate) fn open(self, place: Place) {
+        self.announce(Change::Place(place));
+        self.open.set(Open { place, panel: None });
+    }
+
+    /// Opens a panel over the open place, or closes it.
+    pub(crate) fn show_panel(self, panel: Option<Panel>) {
+        self.open.update(|open| open.panel = panel);
+    }
+
+    /// Closes the panel that a button has opened.
+    pub(crate) fn closer(self) -> Box<dyn Fn() + Send + Sync> {
+        Box::new(move || self.show_panel(None))
+    }
+
+    /// Opens a panel of the place Setup.
+    pub(crate) fn open_in_setup(self, panel: Panel) {
+        self.open(Place::Setup);
+        self.show_panel(Some(panel));
+    }
+
+    /// Opens the controls of the group.
+    pub(crate) fn open_group(self) {
+        self.group.set(true);
+        self.open(Place::Drive);
+    }
+
+    /// Whether the controls of the group are shown.
+    pub(crate) fn shows_group(self) -> bool {
+        self.place() == Place::Drive && self.group.get()
     }
 
     /// Declines the open question.

@@ -238,13 +238,24 @@ impl Bench {
         field
     }
 
-    /// Has a panel of the drawer lie open.
+    /// Opens the place of a panel.
     pub async fn open(&self, panel: &str) {
-        let is_open = || !self.find_all("region", panel).is_empty();
-        if !is_open() {
-            self.click(panel);
-            self.until("the panel", is_open).await;
+        let place = match panel {
+            "Drive together" => "Drive",
+            "Recording" | "Session file" => "Record",
+            "Experiments" => "Test",
+            "ID Manager" | "Settings" => "Setup",
+            "Link" | "Raw Hex" => "Diagnose",
+            _ => panic!("no place has the panel {panel:?}"),
+        };
+        self.click(place);
+        if panel == "Drive together" {
+            let is_offered = || self.find_all("radio", "Group").len() == 1;
+            self.until("the choice", is_offered).await;
+            self.find("radio", "Group").click();
         }
+        let is_open = || !self.find_all("region", panel).is_empty();
+        self.until("the panel", is_open).await;
     }
 
     pub async fn until(&self, what: &str, is: impl Fn() -> bool) {
@@ -361,6 +372,7 @@ fn role_of(element: &HtmlElement) -> String {
         ("SELECT", _) => "combobox",
         ("TEXTAREA", _) | ("INPUT", "text") => "textbox",
         ("SECTION", _) => "region",
+        ("NAV", _) => "navigation",
         ("UL" | "OL", _) => "list",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",

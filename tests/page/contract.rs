@@ -5,8 +5,8 @@ use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::bench::Bench;
 
-/// What is there whichever tab is open.
-const ALWAYS: [(&str, &str); 42] = [
+/// What is there in the place Drive, whichever tab is open.
+const ALWAYS: [(&str, &str); 43] = [
     ("button", "Connect"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
@@ -24,8 +24,6 @@ const ALWAYS: [(&str, &str); 42] = [
     ("tab", "Velocity"),
     ("tab", "Current"),
     ("tab", "Position"),
-    ("tab", "ID Manager"),
-    ("tab", "Raw Hex"),
     ("region", "Telemetry"),
     ("status", "Speed"),
     ("status", "Current"),
@@ -45,10 +43,13 @@ const ALWAYS: [(&str, &str); 42] = [
     ("button", "Clear"),
     ("button", "Export CSV"),
     ("status", "Entries"),
-    ("region", "Recording"),
-    ("button", "Record telemetry"),
-    ("button", "Export telemetry CSV"),
-    ("button", "Plot CSV"),
+    ("navigation", "Places"),
+    ("button", "Drive"),
+    ("button", "Record"),
+    ("button", "Test"),
+    ("button", "Setup"),
+    ("button", "Diagnose"),
+    ("button", "Link"),
 ];
 
 const VELOCITY: &[(&str, &str)] = &[
@@ -102,6 +103,28 @@ const ID_MANAGER: &[(&str, &str)] = &[
     ("button", "Set ID"),
 ];
 
+const SETTINGS: &[(&str, &str)] = &[
+    ("spinbutton", "Speed limit"),
+    ("spinbutton", "Ramp"),
+    ("button", "Export setup"),
+    ("button", "Import setup"),
+    ("button", "Setup link"),
+    ("button", "Delete all data"),
+];
+
+const LINK: &[(&str, &str)] = &[("list", "Link diagnosis"), ("combobox", "Simulated fault")];
+
+const RECORDING: &[(&str, &str)] = &[
+    ("button", "Record telemetry"),
+    ("button", "Export telemetry CSV"),
+    ("button", "Plot CSV"),
+    ("status", "Recorded"),
+];
+
+const SESSION: &[(&str, &str)] = &[("button", "Save session"), ("button", "Open session")];
+
+const EXPERIMENTS: &[(&str, &str)] = &[("tablist", "Experiments"), ("tab", "Sequence")];
+
 const RAW_HEX: &[(&str, &str)] = &[
     ("textbox", "Frame bytes"),
     ("status", "Frame with CRC"),
@@ -122,8 +145,6 @@ async fn every_control_is_found_by_its_name() {
         ("Velocity", VELOCITY),
         ("Current", CURRENT),
         ("Position", POSITION),
-        ("ID Manager", ID_MANAGER),
-        ("Raw Hex", RAW_HEX),
     ] {
         bench.find("tab", tab).click();
         bench
@@ -136,6 +157,24 @@ async fn every_control_is_found_by_its_name() {
             bench.find(role, name);
         }
     }
+    for (panel, controls) in [
+        ("Experiments", EXPERIMENTS),
+        ("Recording", RECORDING),
+        ("Session file", SESSION),
+        ("ID Manager", ID_MANAGER),
+        ("Settings", SETTINGS),
+        ("Link", LINK),
+        ("Raw Hex", RAW_HEX),
+    ] {
+        bench.open(panel).await;
+        for (role, name) in controls {
+            // Without a style sheet the controls of Drive are there too.
+            let is_there = || !bench.find_all(role, name).is_empty();
+            bench.until(name, is_there).await;
+        }
+    }
+    // The list of runs is read meanwhile.
+    bench.received().await;
 }
 
 #[wasm_bindgen_test]

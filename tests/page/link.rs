@@ -19,7 +19,7 @@ use crate::{
 
 async fn open(name: &str) -> Bench {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    bench.click("Link");
+    bench.open("Link").await;
     let there = || !bench.find_all("combobox", "Simulated fault").is_empty();
     bench.until("the panel", there).await;
     bench

@@ -202,6 +202,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     bench.click("Export CSV");
     assert_eq!(recorder.received().await, [ToRecorder::Export(Export::Log)]);
     bench.find("button", "Cancel export");
+    bench.open("Recording").await;
     for other in ["Export telemetry CSV", "Plot CSV"] {
         assert!(bench.find("button", other).has_attribute("disabled"));
     }
@@ -269,6 +270,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
 #[wasm_bindgen_test]
 async fn the_recording_says_what_it_holds() {
     let (recorder, bench, _style) = page("recording", 0).await;
+    bench.open("Recording").await;
     let mut status = RecordingStatus {
         rolling: 6_012,
         ..RecordingStatus::default()
@@ -330,6 +332,7 @@ async fn a_dead_recorder_is_told_and_driving_goes_on() {
             .text("region", "Packet log")
             .contains("Motors keep running")
     );
+    bench.open("Recording").await;
     for name in [
         "Clear",
         "Export CSV",

@@ -21,6 +21,7 @@ mod log_list;
 mod model;
 mod names;
 mod operating;
+mod places;
 mod raw_hex;
 mod remembering;
 mod replay;

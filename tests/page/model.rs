@@ -30,14 +30,7 @@ fn line(model: Model) -> impl FnOnce(&mut Update) {
 }
 
 fn tabs(bench: &Bench) -> Vec<String> {
-    let names = [
-        "Velocity",
-        "Current",
-        "Position",
-        "Open loop",
-        "ID Manager",
-        "Raw Hex",
-    ];
+    let names = ["Velocity", "Current", "Position", "Open loop"];
     let there = names.map(|name| bench.find_all("tab", name));
     there.iter().flatten().map(text_of).collect()
 }
@@ -77,10 +70,9 @@ async fn tabs_and_ranges_are_those_of_the_model() {
         (Model::Ddsm115, "Velocity, Current, Position", "330"),
     ] {
         report(&bench, line(model));
-        let wanted = format!("{loops}, ID Manager, Raw Hex");
         let max = || limit_of(&bench, "spinbutton", "Target speed", "aria-valuemax");
         bench.until("the range", || max() == rpm_max).await;
-        assert_eq!(tabs(&bench).join(", "), wanted, "{model}");
+        assert_eq!(tabs(&bench).join(", "), loops, "{model}");
         // The limit of Settings is 330 rpm.
         let slider = limit_of(&bench, "slider", "Target speed", "max");
         let limited = if rpm_max == "380" { "330" } else { rpm_max };

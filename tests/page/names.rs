@@ -34,18 +34,6 @@ async fn two_motors(name: &str) -> Bench {
     bench
 }
 
-/// Opens the panel, and waits until it has taken the focus.
-async fn open_drive_together(bench: &Bench) {
-    bench.click("Drive together");
-    bench
-        .until("the focus in the panel", || {
-            let focused = document().active_element();
-            let panel = focused.and_then(|focused| focused.closest(".drawer").ok().flatten());
-            panel.is_some()
-        })
-        .await;
-}
-
 /// The button of motor 0x02 in the strip, or in the list of found motors.
 fn edit_button(bench: &Bench, in_strip: bool) -> HtmlElement {
     let mut buttons = bench.find_all("button", DIALOG.1);
@@ -81,7 +69,6 @@ async fn until_focus_is_back(bench: &Bench, in_strip: bool) {
 async fn a_name_is_given_in_either_list_and_shown_in_every_place() {
     for in_strip in [true, false] {
         let bench = two_motors(&format!("named-{in_strip}")).await;
-        open_drive_together(&bench).await;
         let name = edit(&bench, in_strip).await;
         assert_eq!(name.value(), "");
         name.set_value(" Front ");
@@ -93,9 +80,10 @@ async fn a_name_is_given_in_either_list_and_shown_in_every_place() {
             .await;
         let found = text_of(&bench.find("list", "Motors found"));
         assert!(found.contains("0x02 · 2 Front right"), "{found}");
+        until_focus_is_back(&bench, in_strip).await;
+        bench.open("Drive together").await;
         let row: HtmlInputElement = bench.find("textbox", "Name of 0x02").unchecked_into();
         assert_eq!(row.value(), "Front");
-        until_focus_is_back(&bench, in_strip).await;
         assert!(bench.find_all(DIALOG.0, DIALOG.1).is_empty());
         let stored = storage().get_item("motorlink.fleet").unwrap().unwrap();
         assert!(stored.contains("2\tno\tright\tFront\t\n"), "{stored}");
@@ -107,7 +95,7 @@ async fn a_name_is_given_in_either_list_and_shown_in_every_place() {
 #[wasm_bindgen_test]
 async fn escape_closes_the_name_alone_and_changes_nothing() {
     let bench = two_motors("name-escape").await;
-    open_drive_together(&bench).await;
+    bench.open("Drive together").await;
     edit(&bench, true).await.set_value("Other");
     press("Escape");
     bench

@@ -275,7 +275,7 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
     let interval = RawInterval::new(50).unwrap();
     let repeat = Repeat::Times { count: 0, interval };
     assert_eq!(bench.commands().await, [sent(QUERY, repeat, Consent::None)]);
-    bench.find("tab", "Velocity").click();
+    bench.click("Drive");
     report(&bench, |update| {
         update.raw = Some(RawStatus {
             frame: frame(QUERY),
@@ -286,7 +286,7 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
             last: None,
         });
     });
-    bench.find("tab", "Raw Hex").click();
+    bench.open("Raw Hex").await;
     bench
         .until("how often it was sent", || {
             let answers = bench.find_all("status", "Reply");
@@ -298,7 +298,8 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
             })
         })
         .await;
-    bench.click("Stop");
+    // Without a style sheet the controls of Drive have one too.
+    bench.find_all("button", "Stop").pop().unwrap().click();
     assert_eq!(bench.commands().await, [Command::StopRaw]);
 
     bench.enter("Interval", "1");

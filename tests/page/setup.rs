@@ -34,7 +34,7 @@ async fn page(name: &str) -> Bench {
     report(&bench, |update| {
         update.motors = vec![standing(1), standing(2)];
     });
-    bench.click("Drive together");
+    bench.open("Drive together").await;
     bench
         .until("both rows", || {
             !bench.find_all("checkbox", "Drive 0x02").is_empty()
@@ -65,7 +65,6 @@ async fn import(bench: &Bench, text: &str) -> String {
     chooser.dispatch_event(&change).unwrap();
     let words = || said.text_content().unwrap_or_default();
     bench.until("words", || !words().is_empty()).await;
-    bench.open("Drive together").await;
     words()
 }
 
@@ -117,6 +116,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let received = bench.commands().await;
     assert_eq!(received.last(), Some(&Command::Configure(settings)));
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
+    bench.open("Drive together").await;
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
@@ -151,6 +151,7 @@ async fn a_file_that_does_not_fit_changes_nothing() {
     let words = import(&bench, "{\n  \"motorlink_setup\": 1,\n}").await;
     assert!(words.contains("line 3, column 1"), "{words}");
     assert_eq!(kept(), before);
+    bench.open("Drive together").await;
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "");
     let received = bench.received().await;
     assert!(

@@ -226,14 +226,14 @@ async fn a_link_shows_the_view_at_once_and_changes_no_setting() {
     remember_limit();
     let bench = Bench::with_motor("link-view", Mode::Velocity).await;
     set_fragment(&format!(
-        "{LINK}&motor=1&tab=raw-hex&traces=speed.temperature&compared=current&span_ms=10000&new=1"
+        "{LINK}&motor=1&tab=current&traces=speed.temperature&compared=current&span_ms=10000&new=1"
     ));
     until_asked(&bench).await;
     assert_eq!(
         view_in_link(&bench),
-        "motor=1&tab=raw-hex&traces=speed.temperature&compared=current&span_ms=10000"
+        "motor=1&tab=current&traces=speed.temperature&compared=current&span_ms=10000"
     );
-    let tab = bench.find("tab", "Raw Hex");
+    let tab = bench.find("tab", "Current");
     assert_eq!(tab.get_attribute("aria-selected").as_deref(), Some("true"));
     assert_eq!(speed_limit(), 100);
     assert_nothing_is_commanded(&bench).await;

@@ -61,14 +61,10 @@ pub fn report(bench: &Bench, change: impl FnOnce(&mut Update)) {
     bench.post(&ToPage::Update(update));
 }
 
-/// Opens a tab of a page with a motor.
-pub async fn open(name: &str, tab: &str) -> Bench {
+/// Opens a panel of a page with a motor.
+pub async fn open(name: &str, panel: &str) -> Bench {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    bench.find("tab", tab).click();
-    let chosen = || bench.find("tab", tab).get_attribute("aria-selected");
-    bench
-        .until("the tab", || chosen().as_deref() == Some("true"))
-        .await;
+    bench.open(panel).await;
     bench
 }
 
@@ -215,9 +211,11 @@ async fn what_a_scan_finds_is_on_the_board_for_those_who_are_elsewhere() {
     bench
         .until("a notice", || board().contains("2 motors found"))
         .await;
-    bench.find("tab", "ID Manager").click();
+    bench.open("ID Manager").await;
     bench
-        .until("the tab to say it", || !board().contains("2 motors found"))
+        .until("the panel to say it", || {
+            !board().contains("2 motors found")
+        })
         .await;
     assert!(result(&bench).contains("2 motors found (0x01, 0x02)"));
 }
@@ -268,15 +266,15 @@ async fn two_motors_are_named_and_nothing_is_asked() {
 }
 
 #[wasm_bindgen_test]
-async fn a_stop_or_another_tab_ends_the_wish_for_an_id() {
-    for leave in ["STOP", "tab"] {
+async fn a_stop_or_another_place_ends_the_wish_for_an_id() {
+    for leave in ["STOP", "place"] {
         let bench = id_manager(&format!("leave-{leave}")).await;
         bench.enter("New ID", "5");
         until_enabled(&bench, "Set ID").await;
         bench.click("Set ID");
-        if leave == "tab" {
-            bench.find("tab", "Velocity").click();
-            bench.find("tab", "ID Manager").click();
+        if leave == "place" {
+            bench.click("Drive");
+            bench.open("ID Manager").await;
         } else {
             bench.find("button", "STOP all motors").click();
         }
@@ -341,9 +339,9 @@ async fn an_id_that_no_motor_may_get_is_refused_at_the_field() {
 }
 
 #[wasm_bindgen_test]
-async fn a_change_of_loop_tears_nobody_out_of_a_tool() {
-    for tab in ["ID Manager", "Raw Hex"] {
-        let bench = open(&format!("torn-{}", tab.len()), tab).await;
+async fn a_change_of_loop_leaves_the_place_open() {
+    for panel in ["ID Manager", "Raw Hex"] {
+        let bench = open(&format!("torn-{}", panel.len()), panel).await;
         report(&bench, |update| {
             let mode = Mode::Current;
             update.motors = vec![motor(mode, Activity::Idle)];
@@ -354,7 +352,6 @@ async fn a_change_of_loop_tears_nobody_out_of_a_tool() {
                 bench.text("status", "Mode").contains("Current loop")
             })
             .await;
-        let selected = bench.find("tab", tab).get_attribute("aria-selected");
-        assert_eq!(selected.as_deref(), Some("true"), "{tab}");
+        bench.find("region", panel);
     }
 }

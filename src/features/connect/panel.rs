@@ -10,9 +10,10 @@ use web_sys::Element;
 
 use crate::{
     features::connect::{actions::Connect, view::virtual_blocked_by},
+    model::place::Panel,
     ui::{
         button::PressButton,
-        drawer::{Drawer, panel_of_drawer},
+        panel::panel,
         reactive::{effect, handler},
     },
 };
@@ -41,17 +42,18 @@ pub(crate) fn VirtualMotorsPanel(connect: Connect) -> impl IntoView {
     };
     // The button is there before this panel is loaded, and every byte of it counts.
     effect(move || {
-        let is_open = page.drawer.get() == Some(Drawer::VirtualMotors);
+        let is_open = page.panel() == Some(Panel::VirtualMotors);
         let button = document().query_selector(".virtual-choice").ok().flatten();
         if let Some(button) = button {
             // It fails only for invalid names.
             let _ = button.set_attribute("aria-expanded", if is_open { "true" } else { "false" });
         }
     });
-    panel_of_drawer(
-        page.drawer,
-        Drawer::VirtualMotors,
+    panel(
+        "panel opened",
         tr!("Virtual motors"),
+        move || page.panel() == Some(Panel::VirtualMotors),
+        Some(page.closer()),
         view! {
             <div class="virtual-panel">
                 <div
@@ -63,7 +65,7 @@ pub(crate) fn VirtualMotorsPanel(connect: Connect) -> impl IntoView {
                     class="button primary"
                     disabled_reason=blocked_by
                     on_press=move || {
-                        page.drawer.set(None);
+                        page.show_panel(None);
                         connect.connect_virtual();
                     }
                 />

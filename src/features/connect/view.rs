@@ -11,11 +11,11 @@ use crate::{
         connect_texts,
         guards::{is_in_use, port_blocked_by, serial_blocked_by},
         page::{Page, use_page},
+        place::Panel,
         snapshot::{Reading, Session},
     },
     ui::{
         button::PressButton,
-        drawer::{Drawer, toggle},
         reactive::{dynamic, memo},
     },
 };
@@ -153,7 +153,11 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
                 name=tr!("Virtual motors")
                 class="button virtual-choice"
                 hint=tr!("Virtual motors")
-                on_press=move || toggle(page.drawer, Drawer::VirtualMotors)
+                on_press=move || {
+                    const WHICH: Panel = Panel::VirtualMotors;
+                    let is_open = page.open.get_untracked().panel == Some(WHICH);
+                    page.show_panel((!is_open).then_some(WHICH));
+                }
             />
         </div>
     }

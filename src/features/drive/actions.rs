@@ -8,7 +8,6 @@ use crate::{
         local_storage::{remember, remembered},
         notice_board::Topic,
         page::{Dialog, Page},
-        tab::Tab,
     },
     ui::{
         entry::{self, Entry},
@@ -226,7 +225,7 @@ impl Drive {
     /// Shows the tab of a loop, if the motor has it.
     pub(crate) fn show(self, mode: Mode) {
         if self.page.model.get_untracked().has(mode) {
-            self.page.open_tab(Tab::Loop(mode));
+            self.page.loops.tab.set(mode);
         }
     }
 }

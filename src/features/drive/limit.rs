@@ -8,9 +8,8 @@ use motorlink_messages::{
 };
 
 use crate::{
-    model::{page::Page, terms},
+    model::{page::Page, place::Place, terms},
     ui::{
-        drawer::Drawer,
         format,
         reactive::{dynamic, handler},
     },
@@ -81,7 +80,7 @@ impl Quantity {
     }
 }
 
-/// Button `Limit: 60 rpm`: opens the panel Settings.
+/// Button `Limit: 60 rpm`: opens the place with the panel Settings.
 #[component]
 pub(crate) fn LimitLink(page: Page, quantity: Quantity) -> impl IntoView {
     let words = move || {
@@ -94,7 +93,7 @@ pub(crate) fn LimitLink(page: Page, quantity: Quantity) -> impl IntoView {
             class="help-link"
             title=tr!("Change it in Settings")
             hidden=dynamic(move || words().is_none())
-            on:click=handler(move |_| page.drawer.set(Some(Drawer::Settings)))
+            on:click=handler(move |_| page.open(Place::Setup))
         >
             {dynamic(move || words().unwrap_or_default())}
         </button>

@@ -5,7 +5,7 @@ use motorlink_messages::protocol::Mode;
 
 use crate::{
     features::drive::{actions::Drive, loop_head::LoopHead},
-    model::{guards::drive_blocked_by, page::Page, tab::Tab},
+    model::{guards::drive_blocked_by, page::Page, tab},
     ui::{reactive::dynamic, tab_panel::tab_panel, target::Target},
 };
 
@@ -19,8 +19,8 @@ pub(crate) fn loop_panel(
     body: impl IntoView,
 ) -> impl IntoView {
     tab_panel(
-        Tab::Loop(mode).key(),
-        move || drive.page.loops.tab.get() != Tab::Loop(mode),
+        tab::key(mode),
+        move || drive.page.loops.tab.get() != mode,
         view! {
             <LoopHead drive mode />
             {body}

@@ -1,4 +1,4 @@
-//! The control panel: a tab for each loop, and one for each tool.
+//! The control panel: a tab for each loop.
 
 pub(crate) mod actions;
 pub(crate) mod current;
@@ -14,6 +14,7 @@ pub(crate) mod velocity;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
+use motorlink_messages::protocol::Mode;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
@@ -21,7 +22,7 @@ use crate::{
     features::drive::rate::Settings,
     model::{
         page::{Page, use_page},
-        tab::Tab,
+        tab::{self, TABS},
     },
     ui::{
         reactive::{dynamic, handler},
@@ -33,10 +34,9 @@ use crate::{
 #[component]
 pub(crate) fn ControlPanel() -> impl IntoView {
     view! {
-        // The skip link leads here.
-        <section class="panel control-panel" aria-label=tr!("Control") id="control" tabindex="-1">
+        <section class="panel control-panel" aria-label=tr!("Control")>
             <div class="tabs" role="tablist" aria-label=tr!("Control")>
-                {Tab::ALL.map(|tab| view! { <TabButton tab /> }).collect_view()}
+                {TABS.map(|mode| view! { <TabButton mode /> }).collect_view()}
             </div>
             <div class="tab-panels"></div>
             <Settings />
@@ -45,43 +45,33 @@ pub(crate) fn ControlPanel() -> impl IntoView {
 }
 
 #[component]
-fn TabButton(tab: Tab) -> impl IntoView {
+fn TabButton(mode: Mode) -> impl IntoView {
     let page = use_page();
-    let selected = move || page.loops.tab.get() == tab;
-    // A repeated frame continues when another tab is opened, so its tab shows that.
-    let working = page.of_motor(move |session, _| match tab {
-        Tab::Loop(_) => false,
-        Tab::IdManager => session.job.is_some(),
-        Tab::RawHex => session.raw.is_some_and(|raw| raw.running),
-    });
+    let selected = move || page.loops.tab.get() == mode;
     view! {
         <button
             type="button"
             role="tab"
             class="tab"
-            class:working=working
-            hidden=dynamic(move || !tab.is_of(page.model.get()))
-            id=tab_id(tab.key())
-            aria-controls=panel_id(tab.key())
+            hidden=dynamic(move || !page.model.get().has(mode))
+            id=tab_id(tab::key(mode))
+            aria-controls=panel_id(tab::key(mode))
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
             tabindex=dynamic(move || if selected() { "0" } else { "-1" })
-            on:click=handler(move |_| page.open_tab(tab))
-            on:keydown=handler(move |event| move_between_tabs(page, tab, &event))
+            on:click=handler(move |_| page.loops.tab.set(mode))
+            on:keydown=handler(move |event| move_between_tabs(page, mode, &event))
         >
-            {tab.name()}
+            {tab::name(mode)}
         </button>
     }
 }
 
 /// Arrow keys, Home and End choose a tab and take the focus with them.
-fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
+fn move_between_tabs(page: Page, from: Mode, event: &KeyboardEvent) {
     let model = page.model.get_untracked();
-    let tabs: Vec<Tab> = Tab::ALL
-        .into_iter()
-        .filter(|tab| tab.is_of(model))
-        .collect();
+    let tabs: Vec<Mode> = TABS.into_iter().filter(|mode| model.has(*mode)).collect();
     let last = tabs.len() - 1;
-    let place = tabs.iter().position(|tab| *tab == from).unwrap_or(0);
+    let place = tabs.iter().position(|mode| *mode == from).unwrap_or(0);
     let place = match event.key().as_str() {
         "ArrowRight" if place == last => 0,
         "ArrowRight" => place + 1,
@@ -91,9 +81,9 @@ fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
         _ => return,
     };
     event.prevent_default();
-    if let Some(tab) = tabs.get(place) {
-        page.open_tab(*tab);
-        let tab = document().get_element_by_id(&tab_id(tab.key()));
+    if let Some(mode) = tabs.get(place) {
+        page.loops.tab.set(*mode);
+        let tab = document().get_element_by_id(&tab_id(tab::key(*mode)));
         if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
             // The tab is selected even if it cannot be focused.
             let _ = tab.focus();

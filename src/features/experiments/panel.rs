@@ -21,8 +21,8 @@ use crate::{
         steps::StepsTable,
         texts,
     },
+    model::place::Place,
     ui::{
-        drawer::Drawer,
         reactive::{dynamic, effect, handler},
         tab_panel::tab_id,
     },
@@ -50,7 +50,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
     let shown = Signal::derive(move || of.last_shown());
     let has_run = move || shown.with(|shown| !shown.is_empty());
     effect(move || {
-        let is_open = of.page.drawer.get() == Some(Drawer::Experiments);
+        let is_open = of.page.place() == Place::Test;
         if is_open && of.tab.get() == ExperimentTab::Runs {
             of.kept.read_again();
         }

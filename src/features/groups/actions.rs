@@ -21,7 +21,7 @@ use crate::{
         notice_board::Topic,
         page::Page,
     },
-    ui::{animation::Next, drawer::Drawer, target::Target},
+    ui::{animation::Next, target::Target},
 };
 
 /// A gamepad that was not polled for this long may have been released and pressed again meanwhile. The same
@@ -237,7 +237,7 @@ impl Groups {
     /// Runs once per frame of the screen: polls the gamepads if they are enabled, and sends what has changed.
     pub(crate) fn pad_frame(self, now_ms: f64) -> Next {
         let looks = self.gamepad.get_value()
-            && self.page.drawer.get_untracked() == Some(Drawer::Together)
+            && untrack(|| self.page.shows_group())
             && self.page.dialog.with_untracked(Option::is_none)
             && document().visibility_state() == VisibilityState::Visible
             // All pages and programs receive a gamepad; it drives only on the focused page.

@@ -19,7 +19,6 @@ use crate::{
     model::{guards::steer_blocked_by, names_and_sides::NamesAndSides},
     ui::{
         animation::Frames,
-        drawer::Drawer,
         format::signed,
         listener::on_window,
         reactive::{effect, memo},
@@ -82,7 +81,7 @@ pub(crate) fn attach_handlers(groups: Groups) {
     });
     effect(move || show(groups, disabled_reason.get()));
     effect(move || {
-        let open = groups.page.drawer.get() == Some(Drawer::Together);
+        let open = groups.page.shows_group();
         if !open || groups.page.dialog.with(Option::is_some) {
             groups.leave_pad();
         }

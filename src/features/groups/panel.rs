@@ -21,11 +21,11 @@ use crate::{
     },
     ui::{
         button::PressButton,
-        drawer::{Drawer, panel_of_drawer},
         entry, format,
         list::replace_keeping_focus,
         listener::on_window,
         number_field::NumberField,
+        panel::panel,
         reactive::{effect, memo},
     },
 };
@@ -55,19 +55,13 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     update_rows(groups);
     pad_view::attach_handlers(groups);
-    panel_of_drawer(
-        page.drawer,
-        Drawer::Together,
+    panel(
+        "place together",
         tr!("Drive together"),
+        move || page.shows_group(),
+        None,
         view! {
             <div class="together-panel">
-                <div inner_html=rows_markup()></div>
-                <PressButton
-                    label=tr!("ID wizard")
-                    class="button small wheel-setup-open"
-                    hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
-                    on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
-                />
                 <NumberField
                     id="group-speed"
                     name=tr!("Group speed")
@@ -77,15 +71,6 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                     entry=entry::SPEED
                     limit=Box::leak(Box::new(move || page.speed_max()))
                     on_edit=move || groups.adjust_together()
-                />
-                <NumberField
-                    id="ramp"
-                    name=tr!("Ramp")
-                    unit=tr!("rpm/s")
-                    hint=tr!("0 = off. Never applied to stops.")
-                    target=page.settings.ramp
-                    entry=tool_entry::RAMP
-                    on_edit=move || page.set_ramp()
                 />
                 <div class="button-row two">
                     <PressButton
@@ -103,6 +88,16 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                     />
                 </div>
                 <div inner_html=pad_view::markup()></div>
+                <div inner_html=rows_markup()></div>
+                <NumberField
+                    id="ramp"
+                    name=tr!("Ramp")
+                    unit=tr!("rpm/s")
+                    hint=tr!("0 = off. Never applied to stops.")
+                    target=page.settings.ramp
+                    entry=tool_entry::RAMP
+                    on_edit=move || page.set_ramp()
+                />
                 {measures}
             </div>
         },

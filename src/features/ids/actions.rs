@@ -13,8 +13,8 @@ use crate::{
         guards::scan_blocked_by,
         notice_board::Topic,
         page::{Change, Dialog, Listener, Page},
+        place::Place,
         snapshot::{Reading, Session},
-        tab::Tab,
         tool_entry::{NO_NEW_ID, assignable},
     },
     ui::target::Target,
@@ -45,7 +45,7 @@ impl Ids {
             Change::Updated => self.check_scan(),
             Change::Disconnected => self.disconnected(),
             Change::Declined => self.give_up(),
-            Change::Tab(tab) => self.tab_opened(tab),
+            Change::Place(place) => self.place_opened(place),
             Change::Motor | Change::Model => {}
         };
         self.page.listen(Listener::Ids, Box::new(act));
@@ -67,9 +67,9 @@ impl Ids {
         }
     }
 
-    /// Another tab is opened. Leaving the ID manager cancels the ID change.
-    fn tab_opened(self, tab: Tab) {
-        if tab == Tab::IdManager {
+    /// Another place is opened. Leaving the ID manager cancels the ID change.
+    fn place_opened(self, place: Place) {
+        if place == Place::Setup {
             // It reports that itself.
             self.page
                 .notices

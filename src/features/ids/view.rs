@@ -1,4 +1,4 @@
-//! Tab `ID Manager`.
+//! Panel `ID Manager`.
 
 use leptos::{html::Ul, prelude::*};
 use motorlink_i18n::tr;
@@ -14,22 +14,21 @@ use crate::{
         guards::{cancel_blocked_by, scan_blocked_by, stop_blocked_by},
         notice_board::{NoticeText, Tone},
         page::use_page,
+        place::{Panel, Place},
         scan_texts::of_progress,
-        tab::Tab,
         tool_entry::{self, assignable},
     },
     ui::{
         button::PressButton,
-        drawer::Drawer,
         list::replace_keeping_focus,
         number_field::NumberField,
+        panel::panel,
         reactive::{dynamic, effect, handler, memo},
-        tab_panel::tab_panel,
     },
 };
 
 #[component]
-pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
+pub(crate) fn IdManagerPanel(ids: Ids) -> impl IntoView {
     let page = ids.page;
     let new_id = ids.new_id;
     let blocked = page.of_motor(|session, _| scan_blocked_by(session));
@@ -56,9 +55,11 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
         Some(to) => tr!("{decimal} = {hex}", decimal = to.id().get(), hex = to.id()),
         None => tr!("1 to 254, decimal or 0x hex").to_owned(),
     });
-    tab_panel(
-        Tab::IdManager.key(),
-        move || ids.page.loops.tab.get() != Tab::IdManager,
+    panel(
+        "panel place first id-manager",
+        tr!("ID Manager"),
+        move || page.place() == Place::Setup,
+        None,
         view! {
             <div class="button-row four" class:offers-full-scan=offers_full_scan>
                 <PressButton
@@ -82,7 +83,7 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                 <PressButton
                     label=tr!("ID wizard")
                     hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
-                    on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
+                    on_press=move || page.open_in_setup(Panel::WheelSetup)
                 />
             </div>
             <Progress />

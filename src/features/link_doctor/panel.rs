@@ -13,10 +13,10 @@ use crate::{
         record::Record,
         texts::{self, no_virtual_wire},
     },
-    model::page::Page,
+    model::{page::Page, place::Place},
     ui::{
-        drawer::{Drawer, panel_of_drawer},
         frame_rate::frame_rate,
+        panel::panel,
         reactive::{effect, handler},
     },
 };
@@ -28,13 +28,13 @@ pub(crate) fn LinkPanel(
     /// Which virtual line was chosen, by its place.
     virtual_wire: StoredValue<usize>,
 ) -> impl IntoView {
-    let panel = NodeRef::<html::Div>::new();
+    let place = NodeRef::<html::Div>::new();
     // What the doctor has seen says nothing of another wire.
     let rewired = StoredValue::new(false);
     let mut record = Record::default();
     let mut elements = None;
     effect(move || {
-        let Some(panel) = panel.get() else { return };
+        let Some(panel) = place.get() else { return };
         let elements = elements.get_or_insert_with(|| Elements::of(&panel));
         if rewired.get_value() {
             rewired.set_value(false);
@@ -50,14 +50,15 @@ pub(crate) fn LinkPanel(
             page.post(&ToWorker::VirtualWire(*wire));
         }
     };
-    panel_of_drawer(
-        page.drawer,
-        Drawer::Link,
+    panel(
+        "panel place first",
         tr!("Link"),
+        move || page.place() == Place::Diagnose,
+        None,
         view! {
             <div
                 class="link-panel"
-                node_ref=panel
+                node_ref=place
                 on:change=handler(rewire)
                 inner_html=markup::panel()
             ></div>
@@ -89,7 +90,7 @@ impl Elements {
     /// Shows the line as it is. The doctor looks while the panel is closed too, so that the panel shows at
     /// once what has happened.
     fn show(&mut self, page: Page, virtual_wire: StoredValue<usize>, record: &mut Record) {
-        let is_open = page.drawer.get() == Some(Drawer::Link);
+        let is_open = page.place() == Place::Diagnose;
         page.shown.with(|session| {
             if record.look(session)
                 && let Some(doctor) = &mut self.doctor

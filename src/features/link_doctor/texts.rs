@@ -94,7 +94,7 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
         )],
         Diagnosis::SharedId(_) => vec![
             tr!("Both reply at once, so their frames collide."),
-            tr!("Connect only one, change its ID in the ID Manager tab, then connect the other."),
+            tr!("Connect only one, change its ID in Setup, then connect the other."),
         ],
         Diagnosis::NoiseGrowsWithSpeed => vec![
             tr!("Motor current interferes with the bus."),
@@ -120,14 +120,14 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
         ],
         Diagnosis::Stranger => vec![
             tr!("Is another program or controller sending on this bus? Only one may send."),
-            tr!("Full scan in the ID Manager tab lists every motor on the bus."),
+            tr!("Full scan in Setup lists every motor on the bus."),
         ],
         Diagnosis::Silent(_) => vec![
             tr!(
                 "Other motors reply, so the adapter and bus work. Check this motor's plugs, supply and \
                  signal wires."
             ),
-            tr!("Is the ID correct? Full scan in the ID Manager tab lists every motor on the bus."),
+            tr!("Is the ID correct? Full scan in Setup lists every motor on the bus."),
         ],
         Diagnosis::LatencyTimer => vec![
             tr!(

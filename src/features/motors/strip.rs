@@ -1,22 +1,27 @@
-//! Region `Motors`: an overview of all found motors, and the buttons that concern all of them.
+//! Region `Motors`: an overview of all found motors, and whether the motor or the group is driven.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlElement};
+use web_sys::{Element, HtmlElement, HtmlInputElement};
 
 use crate::{
     features::motors::chips::{FIGURES, Figure, chips_html, figures},
-    model::{page::use_page, snapshot::Session},
+    model::{
+        names_and_sides::NamesAndSides,
+        page::{Page, use_page},
+        place::Place,
+        snapshot::Session,
+    },
     ui::{
-        drawer::{Drawer, toggle},
         list::replace_keeping_focus,
-        reactive::{dynamic, handler, memo},
+        reactive::{effect, handler, memo},
     },
 };
 
 const CHIPS: &str = "motor-chips";
+const CHOICE: &str = "drive-choice";
 
 /// Region `Motors`.
 #[component]
@@ -42,34 +47,74 @@ pub(crate) fn MotorStrip() -> impl IntoView {
         }
         chips
     });
+    offer_group(page, found);
+    // HTML: views of these elements would be many times as large.
     view! {
-        <section class="motor-strip" aria-label=tr!("Motors")>
-            <div
-                class="motor-chips"
-                id=CHIPS
-                on:click=handler(move |event| page.click_in_list(&event))
-            ></div>
-            <div class="motor-strip-end">
-                <DrawerButton which=Drawer::Together label=tr!("Drive together") />
-                <DrawerButton which=Drawer::Link label=tr!("Link") />
-                <DrawerButton which=Drawer::Experiments label=tr!("Experiments") />
-                <DrawerButton which=Drawer::Session label=tr!("Session file") />
-                <DrawerButton which=Drawer::Settings label=tr!("Settings") />
-            </div>
-        </section>
+        <section
+            class="motor-strip"
+            aria-label=tr!("Motors")
+            on:click=handler(move |event| page.click_in_list(&event))
+            on:change=handler(move |event| page.group.set(event_target_value(&event) == "true"))
+            inner_html=content()
+        ></section>
     }
+}
+
+/// Radiogroup `Drive` with `Motor` and `Group`, and the place of the chips.
+fn content() -> String {
+    let radio = |(group, name)| {
+        format!(
+            r#"<label><input type="radio" name="drive-choice" value="{group}"><span>{name}</span></label>"#
+        )
+    };
+    let radios = [(false, tr!("Motor")), (true, tr!("Group"))].map(radio);
+    let name = tr!("Drive" as "place");
+    format!(
+        r#"<div id="{CHOICE}" role="radiogroup" aria-label="{name}" hidden>{}</div><div class="motor-chips" id="{CHIPS}"></div>"#,
+        radios.concat()
+    )
+}
+
+/// Offers the group from two motors on, found or in the group.
+fn offer_group(page: Page, found: Memo<Vec<MotorId>>) {
+    let is_one = memo(move || {
+        let members = page.motors.names.with(NamesAndSides::group_members);
+        found.with(|found| {
+            let unseen = members.iter().filter(|(id, _)| !found.contains(id));
+            found.len() + unseen.count() < 2
+        })
+    });
+    effect(move || {
+        if is_one.get() {
+            page.group.set(false);
+        }
+        let class = match page.place() {
+            Place::Drive => "drive-choice",
+            _ => "drive-choice absent",
+        };
+        if let Some(choice) = document().get_element_by_id(CHOICE) {
+            // These fail only for invalid names.
+            let _ = choice.set_attribute("class", class);
+            let _ = choice.toggle_attribute_with_force("hidden", is_one.get());
+        }
+        let chosen = format!("#{CHOICE} [value={}]", page.group.get());
+        let radio = document().query_selector(&chosen).ok().flatten();
+        if let Some(radio) = radio.and_then(|radio| radio.dyn_into::<HtmlInputElement>().ok()) {
+            radio.set_checked(true);
+        }
+    });
 }
 
 /// The present chips and their values.
 #[derive(Default)]
 struct Chips {
     html: String,
-    chips: Vec<(MotorId, [Place; 5])>,
+    chips: Vec<(MotorId, [Value; 5])>,
 }
 
 /// The element of a value.
 #[derive(Default)]
-struct Place {
+struct Value {
     element: Option<Element>,
     written: Figure,
 }
@@ -81,7 +126,7 @@ impl Chips {
             let number = id.get();
             let places = FIGURES.map(|name| {
                 let selector = format!("[value='{number}'] ~ [data-figure='{name}']");
-                Place {
+                Value {
                     element: row.query_selector(&selector).ok().flatten(),
                     written: Figure::default(),
                 }
@@ -103,7 +148,7 @@ impl Chips {
     }
 }
 
-impl Place {
+impl Value {
     fn write(&mut self, figure: Figure) {
         let Some(element) = &self.element else { return };
         if self.written.text != figure.text {
@@ -114,22 +159,5 @@ impl Place {
             let _ = element.set_attribute("data-look", figure.look);
         }
         self.written = figure;
-    }
-}
-
-/// Opens and closes a panel of the drawer.
-#[component]
-fn DrawerButton(which: Drawer, label: &'static str) -> impl IntoView {
-    let page = use_page();
-    let is_open = move || page.drawer.get() == Some(which);
-    view! {
-        <button
-            type="button"
-            class="button small"
-            aria-expanded=dynamic(move || if is_open() { "true" } else { "false" })
-            on:click=handler(move |_| toggle(page.drawer, which))
-        >
-            {label}
-        </button>
     }
 }

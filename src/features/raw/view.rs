@@ -1,4 +1,4 @@
-//! Tab `Raw Hex`.
+//! Panel `Raw Hex`.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -16,27 +16,30 @@ use crate::{
     },
     model::{
         guards::{send_blocked_by, stop_blocked_by},
+        place::Place,
         snapshot::{Reading, Session},
-        tab::Tab,
         terms, tool_entry,
     },
     ui::{
         button::PressButton,
         number_field::NumberField,
+        panel::panel,
         reactive::{dynamic, handler, memo},
-        tab_panel::tab_panel,
     },
 };
 
 #[component]
-pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
+pub(crate) fn RawHexPanel(raw: Raw) -> impl IntoView {
     let entered = memo(move || {
         let entered = raw.text.with(|text| Entered::read(text));
         entered.for_model(raw.page.model.get())
     });
-    tab_panel(
-        Tab::RawHex.key(),
-        move || raw.page.loops.tab.get() != Tab::RawHex,
+    let page = raw.page;
+    panel(
+        "panel place second raw-hex",
+        tr!("Raw Hex"),
+        move || page.place() == Place::Diagnose,
+        None,
         view! {
             <Bytes raw entered />
             <div class="repeat">

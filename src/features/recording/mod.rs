@@ -8,14 +8,18 @@ use motorlink_messages::recorder::{Export, RecordingStatus, ToRecorder};
 
 use crate::{
     features::recording::texts as words,
-    model::{page::use_page, recorder_texts::no_recorder, replay::blocked, snapshot::Session},
+    model::{
+        page::use_page, place::Place, recorder_texts::no_recorder, replay::blocked,
+        snapshot::Session,
+    },
     ui::{
         export_button::ExportButton,
+        panel::panel,
         reactive::{dynamic, handler, memo},
     },
 };
 
-/// Region `Recording`: one line.
+/// Panel `Recording`.
 #[component]
 pub(crate) fn Recording() -> impl IntoView {
     let page = use_page();
@@ -66,8 +70,12 @@ pub(crate) fn Recording() -> impl IntoView {
             />
         }
     };
-    view! {
-        <section class="panel recording" aria-label=tr!("Recording")>
+    panel(
+        "panel place first recording",
+        tr!("Recording"),
+        move || page.place() == Place::Record,
+        None,
+        view! {
             <button
                 type="button"
                 class="button small record"
@@ -105,8 +113,8 @@ pub(crate) fn Recording() -> impl IntoView {
                     "For plotting: the same samples with elapsed seconds, and commanded beside measured values"
                 ),
             )}
-        </section>
-    }
+        },
+    )
 }
 
 /// A full recording has to be exported before another one can start.

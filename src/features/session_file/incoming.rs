@@ -9,8 +9,8 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::Event;
 
 use crate::{
-    model::page::Page,
-    ui::{drawer::Drawer, listener::on_window},
+    model::{page::Page, place::Place},
+    ui::listener::on_window,
 };
 
 /// The file that waits for the panel.
@@ -36,7 +36,7 @@ impl Incoming {
     fn take(self, page: Page, file: JsValue) {
         // Nothing if the page was closed meanwhile.
         if self.file.try_set(Some(file)).is_none() {
-            page.drawer.set(Some(Drawer::Session));
+            page.open(Place::Record);
         }
     }
 

@@ -9,12 +9,16 @@ use web_sys::{Element, Event, HtmlInputElement};
 
 use crate::{
     features::settings::actions::Settings,
-    model::page::Page,
+    model::{
+        page::Page,
+        place::{Panel, Place},
+        tool_entry,
+    },
     ui::{
-        drawer::{Drawer, panel_of_drawer},
         entry, format,
         listener::on_window,
         number_field::NumberField,
+        panel::panel,
         reactive::{dynamic, effect, handler},
     },
 };
@@ -124,10 +128,11 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
         ),
     ];
     attach_handlers(settings, install);
-    panel_of_drawer(
-        page.drawer,
-        Drawer::Settings,
+    panel(
+        "panel place second",
         tr!("Settings"),
+        move || page.place() == Place::Setup,
+        None,
         view! {
             <div class="settings-panel">
                 <div inner_html=limits_head()></div>
@@ -137,6 +142,15 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
                             <NumberField name unit target entry limit id on_edit=move || page.set_limits() />
                         }
                     })}
+                <NumberField
+                    id="setup-ramp"
+                    name=tr!("Ramp")
+                    unit=tr!("rpm/s")
+                    hint=tr!("0 = off. Never applied to stops.")
+                    target=targets.ramp
+                    entry=tool_entry::RAMP
+                    on_edit=move || page.set_ramp()
+                />
                 <DetectModel page />
                 <div inner_html=files()></div>
             </div>
@@ -226,7 +240,7 @@ fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
         // At once: the browser opens its question only during the press.
-        ("click", LINK) => return settings.page.drawer.set(Some(Drawer::SetupLink)),
+        ("click", LINK) => return settings.page.open_in_setup(Panel::SetupLink),
         ("click", INSTALL) => return (install.on_press)(),
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,

@@ -5,8 +5,8 @@ use leptos::prelude::*;
 use wasm_bindgen::JsValue;
 
 use crate::{
-    model::page::Page,
-    ui::{drawer::Drawer, listener::on_window},
+    model::{page::Page, place::Panel},
+    ui::listener::on_window,
 };
 
 /// What is before a setup. A browser sends the fragment to no server.
@@ -16,7 +16,7 @@ pub(super) const IN_ADDRESS: &str = "#setup=";
 pub(crate) fn watch(page: Page) {
     let open = move || {
         if part("hash").starts_with(IN_ADDRESS) {
-            page.drawer.set(Some(Drawer::SetupLink));
+            page.open_in_setup(Panel::SetupLink);
         }
     };
     open();

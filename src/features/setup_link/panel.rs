@@ -90,8 +90,8 @@ impl SetupLink {
                 self.page.select(id);
             }
             let model = self.page.model.get_untracked();
-            if let Some(tab) = view.tab.filter(|tab| tab.is_of(model)) {
-                self.page.open_tab(tab);
+            if let Some(tab) = view.tab.filter(|mode| model.has(*mode)) {
+                self.page.loops.tab.set(tab);
             }
         }
         if let Some(graph) = &view.graph {

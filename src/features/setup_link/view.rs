@@ -3,9 +3,12 @@
 //! `&motor=2&tab=velocity&traces=speed.current&compared=speed&span_ms=60000`, behind the setup. Each field may be
 //! missing, and what a field says that this version does not know is skipped.
 
-use motorlink_messages::protocol::MotorId;
+use motorlink_messages::protocol::{Mode, MotorId};
 
-use crate::model::{graph_view::GraphView, tab::Tab};
+use crate::model::{
+    graph_view::GraphView,
+    tab::{TABS, key},
+};
 
 /// The longest view in a link that is read.
 const CHARACTERS_MAX: usize = 512;
@@ -14,7 +17,7 @@ const CHARACTERS_MAX: usize = 512;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct View {
     pub(super) motor: Option<MotorId>,
-    pub(super) tab: Option<Tab>,
+    pub(super) tab: Option<Mode>,
     pub(super) graph: Option<GraphView>,
 }
 
@@ -26,8 +29,8 @@ impl View {
         if let Some(id) = self.motor {
             field("motor", &id.get().to_string());
         }
-        if let Some(tab) = self.tab {
-            field("tab", tab.key());
+        if let Some(mode) = self.tab {
+            field("tab", key(mode));
         }
         if let Some(graph) = &self.graph {
             field("traces", &graph.traces.join("."));
@@ -49,7 +52,7 @@ impl View {
         for (name, value) in text.split('&').filter_map(|field| field.split_once('=')) {
             match name {
                 "motor" => view.motor = value.parse().ok().and_then(|id| MotorId::new(id).ok()),
-                "tab" => view.tab = Tab::ALL.into_iter().find(|tab| tab.key() == value),
+                "tab" => view.tab = TABS.into_iter().find(|mode| key(*mode) == value),
                 "traces" => traces = Some(value.split('.').map(str::to_owned).collect()),
                 "compared" => compared = Some(value.to_owned()),
                 "span_ms" => span_ms = value.parse().ok(),
@@ -72,7 +75,7 @@ mod tests {
     fn view() -> View {
         View {
             motor: MotorId::new(2).ok(),
-            tab: Some(Tab::RawHex),
+            tab: Some(Mode::OpenLoop),
             graph: Some(GraphView {
                 traces: vec!["speed".to_owned(), "goal".to_owned()],
                 compared: Some("current".to_owned()),
@@ -83,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_view_comes_back_from_a_link() {
-        let link = "&motor=2&tab=raw-hex&traces=speed.goal&compared=current&span_ms=60000";
+        let link = "&motor=2&tab=open-loop&traces=speed.goal&compared=current&span_ms=60000";
         assert_eq!(view().to_link(), link);
         assert_eq!(View::from_link(&link[1..]), view());
         assert_eq!(View::default().to_link(), "");

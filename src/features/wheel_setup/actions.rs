@@ -20,9 +20,10 @@ use crate::{
         id_progress::IdProgress,
         names_and_sides::NamesAndSides,
         page::{Change, Listener, Page},
+        place::Panel,
         snapshot::Session,
     },
-    ui::{clock::page_now_ms, drawer::Drawer, listener::on_window, reactive::effect},
+    ui::{clock::page_now_ms, listener::on_window, reactive::effect},
 };
 
 /// A speed at which a hand can stop the wheel, and at which half a second is a visible sixth of a turn.
@@ -103,7 +104,7 @@ impl WheelSetup {
                 }
             }
             Change::Disconnected => self.change(Setup::disconnected),
-            Change::Motor | Change::Declined | Change::Tab(_) | Change::Model => {}
+            Change::Motor | Change::Declined | Change::Place(_) | Change::Model => {}
         };
         self.page.listen(Listener::WheelSetup, Box::new(on_change));
         effect(move || {
@@ -112,7 +113,7 @@ impl WheelSetup {
         });
         // The user may not see the wheel: end the spin.
         effect(move || {
-            let is_open = self.page.drawer.get() == Some(Drawer::WheelSetup);
+            let is_open = self.page.panel() == Some(Panel::WheelSetup);
             if !is_open || self.page.dialog.with(Option::is_some) {
                 self.end_spin();
             }

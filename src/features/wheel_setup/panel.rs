@@ -20,7 +20,6 @@ use crate::{
         tool_entry::{NEW_ID, NO_NEW_ID},
     },
     ui::{
-        drawer::Drawer,
         entry::Typed,
         list::{clicked_value, replace_keeping_focus},
         reactive::{dynamic, effect, handler, memo},
@@ -147,7 +146,7 @@ fn press(setup: WheelSetup, value: &str) {
         "nothing" => setup.change(Setup::answer_nothing),
         "finish" => setup.finish(),
         "again" => setup.replace_wheels(Setup::start_again),
-        "drive" => setup.page.drawer.set(Some(Drawer::Together)),
+        "drive" => setup.page.open_group(),
         _ => {}
     }
 }

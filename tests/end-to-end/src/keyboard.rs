@@ -13,16 +13,25 @@ pub struct Key {
     /// The value of `KeyboardEvent.keyCode`.
     number: u32,
     text: Option<String>,
-    shift: bool,
+    /// The bits of the protocol: 1 is Alt, 8 is Shift.
+    modifiers: u8,
 }
 
 impl Key {
-    /// The key named as in `KeyboardEvent.key`: `Escape`, `ArrowUp`, a letter, a digit or a sign.
+    /// The key named as in `KeyboardEvent.key`: `Escape`, `ArrowUp`, a letter, a digit or a sign;
+    /// `Alt+1` is a key with Alt.
     ///
     /// # Errors
     ///
     /// When there is no such key here.
     pub fn named(name: &str) -> Result<Self> {
+        if let Some(name) = name.strip_prefix("Alt+") {
+            return Ok(Self {
+                text: None,
+                modifiers: 1,
+                ..Self::named(name)?
+            });
+        }
         let mut characters = name.chars();
         if let (Some(character), None) = (characters.next(), characters.next()) {
             return Self::typing(character);
@@ -85,7 +94,7 @@ impl Key {
             code,
             number,
             text,
-            shift,
+            modifiers: if shift { 8 } else { 0 },
         }
     }
 
@@ -107,14 +116,12 @@ impl Key {
     }
 
     fn event(&self, kind: &str, text: Option<&str>) -> Value {
-        // The protocol's bit for Shift.
-        let modifiers = if self.shift { 8 } else { 0 };
         json!({
             "type": kind,
             "key": self.name,
             "code": self.code,
             "windowsVirtualKeyCode": self.number,
-            "modifiers": modifiers,
+            "modifiers": self.modifiers,
             "text": text.unwrap_or_default(),
         })
     }
@@ -129,11 +136,14 @@ mod tests {
         let space = Key::named(" ").unwrap();
         assert_eq!((space.code.as_str(), space.number), ("Space", 32));
         let help = Key::named("?").unwrap();
-        assert_eq!((help.code.as_str(), help.shift), ("Slash", true));
+        assert_eq!((help.code.as_str(), help.modifiers), ("Slash", 8));
         let letter = Key::named("f").unwrap();
         assert_eq!((letter.code.as_str(), letter.number), ("KeyF", 70));
         assert_eq!(Key::named("Escape").unwrap().down()["type"], "rawKeyDown");
         assert_eq!(letter.down()["text"], "f");
+        let place = Key::named("Alt+1").unwrap();
+        assert_eq!((place.code.as_str(), place.modifiers), ("Digit1", 1));
+        assert_eq!(place.down()["type"], "rawKeyDown");
         assert!(Key::named("Hyper").is_err());
     }
 }

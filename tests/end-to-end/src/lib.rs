@@ -43,6 +43,7 @@ mod motors;
 mod mouse;
 mod moving_picture;
 mod page;
+mod places;
 mod processor_time;
 mod reading;
 mod retry;

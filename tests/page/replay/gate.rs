@@ -38,9 +38,9 @@ async fn nothing_is_sent_to_the_port_worker_during_a_replay() {
     }
     // A slider adjusts what is driven: it is, in the recording.
     bench.enter("Target speed", "200");
-    // Each is in its own tab.
-    for (tab, name) in [("Raw Hex", "Send"), ("ID Manager", "Full scan")] {
-        bench.find("tab", tab).click();
+    // Each is in its own place.
+    for (panel, name) in [("Raw Hex", "Send"), ("ID Manager", "Full scan")] {
+        bench.open(panel).await;
         let is_shown = || !bench.find_all("button", name).is_empty();
         bench.until(name, is_shown).await;
         for button in bench.find_all("button", name) {

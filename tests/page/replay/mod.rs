@@ -246,6 +246,7 @@ async fn rows_of_the_recording_take_the_place_of_the_log_and_the_log_is_back_aft
     pause(200).await;
     assert_eq!(bench.text("status", "Entries"), "7 entries");
     assert!(recorder.received().await.is_empty());
+    bench.open("Recording").await;
     for name in ["Clear", "Export CSV", "Export telemetry CSV", "Plot CSV"] {
         let button = bench.find("button", name);
         assert!(button.has_attribute("disabled"), "{name}");

@@ -37,7 +37,7 @@ async fn rover(name: &str) -> Bench {
     report(&bench, |update| {
         update.motors = vec![standing(1), standing(2)];
     });
-    bench.click("Drive together");
+    bench.open("Drive together").await;
     until_enabled_pad(&bench).await;
     let size = format!("width: {SIZE}px; height: {SIZE}px");
     pad(&bench).set_attribute("style", &size).unwrap();
@@ -178,7 +178,7 @@ async fn a_group_follows_the_entered_speed_and_is_not_started_by_it() {
 #[wasm_bindgen_test]
 async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
     let bench = rover("mirrored").await;
-    bench.click("Close the panel");
+    bench.find("radio", "Motor").click();
     bench.click("Motor 0x02, Starboard, right, mirrored");
     until_enabled(&bench, "+100").await;
     bench.commands().await;
@@ -228,7 +228,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
     assert_eq!(bench.commands().await, [adjust]);
 
     // Its side stays while it is driven, and is free again when it stands.
-    bench.click("Drive together");
+    bench.open("Drive together").await;
     bench
         .until("the panel", || {
             bench.find_all("combobox", "Side of 0x02").len() == 1

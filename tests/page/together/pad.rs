@@ -84,7 +84,7 @@ async fn a_pad_that_is_lost_stops() {
         match way {
             "blur" => happen(&pad(&bench), "blur"),
             "window" => happen(&window, "blur"),
-            "closed" => bench.click("Close the panel"),
+            "closed" => bench.click("Record"),
             "cancelled" => pointer(&bench, "pointercancel", 0.0, 1.0),
             _ => {
                 let hide = "Object.defineProperty(document, 'visibilityState', \

@@ -51,7 +51,7 @@ fn measure() -> Result<()> {
     let page = bench.open("/")?;
     page.look(View::DESKTOP)?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
-    page.click("button", "Session file")?;
+    page.open_panel("Session file")?;
     page.find("button", "Open session")?;
     page.evaluate(&format!("{SCRIPT}; true"))?;
 

@@ -48,7 +48,7 @@ fn take(dir: &Path, words: &[String]) -> Result<()> {
             continue;
         }
         the_desk(&album)?;
-        the_panels(&album)?;
+        the_places(&album)?;
         the_tools(&album)?;
     }
     Ok(())
@@ -138,18 +138,12 @@ impl Album {
     }
 
     /// What a phone has on one of its screens, and a wide window anyway.
-    fn shot(&self, page: &Page, screen: &str, what: &str) -> Result<()> {
-        self.shot_in(page, screen, what, |_| true)
+    fn shot(&self, page: &Page, what: &str) -> Result<()> {
+        self.shot_in(page, what, |_| true)
     }
 
     /// The same, in these windows.
-    fn shot_in(
-        &self,
-        page: &Page,
-        screen: &str,
-        what: &str,
-        has_it: impl Fn(View) -> bool,
-    ) -> Result<()> {
+    fn shot_in(&self, page: &Page, what: &str, has_it: impl Fn(View) -> bool) -> Result<()> {
         for (name, view) in VIEWS.into_iter().filter(|(_, view)| has_it(*view)) {
             for scheme in [Scheme::Light, Scheme::Dark, Scheme::Contrast] {
                 // What high contrast changes does not depend on the language.
@@ -160,9 +154,6 @@ impl Album {
                     continue;
                 };
                 look(page, view.with(scheme))?;
-                if view.is_phone() && !screen.is_empty() {
-                    page.click("button", translated(screen))?;
-                }
                 page.evaluate("scrollTo(0, 0)")?;
                 pause(250);
                 println!("{}", file.display());
@@ -199,10 +190,10 @@ fn the_desk(album: &Album) -> Result<()> {
     let page = bench.open(&album.address())?;
     page.look(View::DESKTOP)?;
     pause(500);
-    album.shot(&page, "Drive", "empty")?;
+    album.shot(&page, "empty")?;
     page.click("button", translated("Virtual motor"))?;
     connected(&page)?;
-    album.shot(&page, "Drive", "tour")?;
+    album.shot(&page, "tour")?;
     page.click("button", translated("Skip the tour"))?;
     // Something for the graph to show.
     for (button, speed) in [
@@ -215,28 +206,24 @@ fn the_desk(album: &Album) -> Result<()> {
         page.wait_for_text("output", translated("Speed"), |text| text.contains(speed))?;
         pause(2_000);
     }
-    album.shot(&page, "Drive", "spinning")?;
-    for screen in ["Graph", "Log", "More"] {
-        let what = screen.to_lowercase();
-        album.shot_in(&page, screen, &what, View::is_phone)?;
-    }
+    album.shot(&page, "spinning")?;
     page.click("button", translated("Expand"))?;
-    album.shot_in(&page, "", "expanded", |view| !view.is_phone())?;
+    album.shot_in(&page, "expanded", |view| !view.is_phone())?;
     page.click("button", translated("Shrink"))?;
     page.press("Escape")?;
     pause(800);
-    album.shot(&page, "", "stopped")?;
+    album.shot(&page, "stopped")?;
     page.click("button", translated("Release"))?;
     for tab in ["Current", "Position"] {
         page.click("tab", translated(tab))?;
-        album.shot(&page, "Drive", &tab.to_lowercase())?;
+        album.shot(&page, &tab.to_lowercase())?;
     }
     page.click("button", translated("Help"))?;
-    album.shot(&page, "", "help")
+    album.shot(&page, "help")
 }
 
-/// The panels of the drawer, with the virtual motor.
-fn the_panels(album: &Album) -> Result<()> {
+/// The places, with the virtual motor.
+fn the_places(album: &Album) -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open(&album.address())?;
     page.look(View::DESKTOP)?;
@@ -244,11 +231,15 @@ fn the_panels(album: &Album) -> Result<()> {
     connected(&page)?;
     page.click("button", translated("Skip the tour"))?;
     page.click("button", "+100")?;
-    for panel in ["Drive together", "Link", "Settings"] {
-        page.click("button", translated(panel))?;
+    for (panel, place) in [
+        ("Session file", "record"),
+        ("Experiments", "test"),
+        ("Settings", "setup"),
+        ("Link", "diagnose"),
+    ] {
+        page.open_panel(panel)?;
         pause(500);
-        album.shot(&page, "", &panel.to_lowercase().replace(' ', "_"))?;
-        page.click("button", translated("Close the panel"))?;
+        album.shot(&page, place)?;
     }
     Ok(())
 }
@@ -261,7 +252,7 @@ fn the_tools(album: &Album) -> Result<()> {
     page.look(View::DESKTOP)?;
     page.click("button", translated("Connect"))?;
     connected(&page)?;
-    page.click("tab", translated("ID Manager"))?;
+    page.open_panel("ID Manager")?;
     page.click("button", translated("Full scan"))?;
     page.wait_for_text("list", translated("Motors found"), |text| {
         text.contains("0x07")
@@ -274,8 +265,8 @@ fn the_tools(album: &Album) -> Result<()> {
             Err("it goes on".to_owned())
         })
     })?;
-    album.shot(&page, "Drive", "id_manager")?;
-    page.click("tab", translated("Raw Hex"))?;
+    album.shot(&page, "id_manager")?;
+    page.open_panel("Raw Hex")?;
     page.find("textbox", translated("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
     // On a busy machine a reply can be late and is then shown as missing.
@@ -289,10 +280,10 @@ fn the_tools(album: &Album) -> Result<()> {
             Err(answer)
         })
     })?;
-    album.shot(&page, "Drive", "raw_hex")?;
-    page.click("button", translated("Drive together"))?;
+    album.shot(&page, "raw_hex")?;
+    page.open_panel("Drive together")?;
     pause(500);
-    album.shot(&page, "", "four_motors")
+    album.shot(&page, "four_motors")
 }
 
 /// Waits until animations have ended.

@@ -37,7 +37,7 @@ fn scans(where_: &str, line: Line, chip: (u16, u16), most_ms: u64) -> Result<()>
     page.look(View::DESKTOP)?;
     page.click("button", "Connect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     let mut took = Vec::new();
     let mut found = Vec::new();
     for _ in 0..SCANS {

@@ -30,7 +30,7 @@ pub fn line(motors: u8) -> Line {
 
 /// Scans until `found` motors are known.
 pub fn scan(page: &Page, found: u8) -> Result<()> {
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     // If several motors answered at once, a notice has such a button, too.
     let scan = page.find_all("button", "Full scan")?.pop();
     scan.context("no button Full scan")?.click()?;
@@ -43,7 +43,7 @@ pub fn scan(page: &Page, found: u8) -> Result<()> {
 /// Scans for `found` motors and drives the first `driven` of them together.
 pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
     scan(page, found)?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     for id in 1..=driven {
         page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
     }
@@ -106,7 +106,7 @@ fn twelve(watched: Duration) -> Result<()> {
     let (adapter, page) = connected(&bench, line(12))?;
     drive(&page, 12, 12)?;
     let wire = watch(&adapter, watched)?;
-    page.click("button", "Link")?;
+    page.open_panel("Link")?;
     let said = page.text("output", "Bus capacity")?;
     let mut shares = Vec::new();
     for id in 1..=12 {

@@ -23,7 +23,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     page.click("button", "Connect")?;
     page.wait_for_text("output", "Speed", has_digits)?;
     scan(&page, 4)?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     page.find_like("application", "Drive pad")?.focus()?;
     page.hold_key("ArrowUp")?;
     page.wait_for_text("output", "Forward", |text| text.starts_with('+'))?;

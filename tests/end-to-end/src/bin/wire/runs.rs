@@ -22,7 +22,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     let watched = watched.min(WATCHED_MAX);
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, Line::default())?;
-    page.click("button", "Experiments")?;
+    page.open_panel("Experiments")?;
     thread::sleep(SETTLES);
 
     let pressed = run(&page)?;

@@ -48,9 +48,10 @@ pub fn measure(watched: Duration) -> Result<()> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, Line::default())?;
     keep_run(&page)?;
-    page.click("button", "Session file")?;
-    page.find("button", "Save session")?;
+    page.open_panel("Control")?;
     spin(&page, HERTZ)?;
+    page.open_panel("Session file")?;
+    page.find("button", "Save session")?;
     page.drop_accessibility_tree()?;
     thread::sleep(SETTLES);
     let passes = (watched.as_secs() / (2 * CALL.as_secs())).max(1);
@@ -97,7 +98,7 @@ pub fn measure(watched: Duration) -> Result<()> {
 
 /// Runs the sequence of the panel for half a minute: each save attaches that run.
 fn keep_run(page: &Page) -> Result<()> {
-    page.click("button", "Experiments")?;
+    page.open_panel("Experiments")?;
     thread::sleep(SETTLES);
     crate::runs::run(page)?;
     thread::sleep(RUN);

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use crate::fixture::{open_panel, wait_until_enabled};
+use crate::fixture::wait_until_enabled;
 use anyhow::{Context, Result};
 use end_to_end::{Bench, Page, Scheme, View, artefacts};
 use motorlink_i18n::{Language, set_language, translated};
@@ -85,16 +85,6 @@ impl Judge {
         self.screen_in(name, judged)
     }
 
-    /// The screens behind the tab bar of a phone.
-    fn phone_screens(&mut self) -> Result<()> {
-        for screen in ["Graph", "Log", "Motors", "More", "Drive"] {
-            self.page.look(View::PHONE)?;
-            self.click("button", screen)?;
-            self.screen_in(screen, &[("phone", View::PHONE)])?;
-        }
-        self.page.look(View::DESKTOP)
-    }
-
     fn screen_in(&mut self, name: &str, views: &[(&str, View)]) -> Result<()> {
         for (width, view) in views {
             for (place, scheme) in self.schemes.iter().enumerate() {
@@ -134,12 +124,16 @@ impl Judge {
     }
 
     fn panels(&mut self, when: &str) -> Result<()> {
-        for panel in ["Link", "Drive together", "Settings"] {
-            open_panel(&self.page, translated(panel))?;
-            self.screen(&format!("{panel} {when}"))?;
-            self.click("button", "Close the panel")?;
+        for (panel, place) in [
+            ("Session file", "Record"),
+            ("Experiments", "Test"),
+            ("Settings", "Setup"),
+            ("Link", "Diagnose"),
+        ] {
+            self.page.open_panel(panel)?;
+            self.screen(&format!("{place} {when}"))?;
         }
-        Ok(())
+        self.page.open_panel("Control")
     }
 
     fn unconnected(&mut self) -> Result<()> {
@@ -160,8 +154,7 @@ impl Judge {
         self.click("button", "Stop")?;
         self.wait_for_speed("0")?;
         self.screen("Velocity, graph and log")?;
-        self.phone_screens()?;
-        for tab in ["Current", "Position", "ID Manager", "Raw Hex"] {
+        for tab in ["Current", "Position"] {
             self.click("tab", tab)?;
             self.screen(tab)?;
         }
@@ -182,7 +175,7 @@ impl Judge {
 
     /// The first step, which has all kinds of controls that the others have.
     fn wheel_setup(&mut self) -> Result<()> {
-        self.click("tab", "ID Manager")?;
+        self.page.open_panel("ID Manager")?;
         self.click("button", "ID wizard")?;
         self.page.find("button", translated("Set the IDs"))?;
         self.screen("ID wizard")?;
@@ -191,11 +184,10 @@ impl Judge {
 
     /// The doctor has found something, and what is known of the motor is old.
     fn dead_line(&mut self) -> Result<()> {
-        open_panel(&self.page, translated("Link"))?;
+        self.page.open_panel("Link")?;
         self.page
             .choose(translated("Simulated fault"), translated("No replies"))?;
-        // Beside a panel and a notice the wheel may have no room.
-        self.click("button", "Close the panel")?;
+        self.page.open_panel("Telemetry")?;
         let old = |text: &str| text.contains(translated("No data"));
         self.page
             .wait_for_text("output", translated("Motion"), old)?;
@@ -209,11 +201,11 @@ impl Judge {
             "{known}"
         );
         self.screen("desk, the line dead")?;
-        open_panel(&self.page, translated("Link"))?;
+        self.page.open_panel("Link")?;
         self.screen("Link, the line dead")?;
         self.page
             .choose(translated("Simulated fault"), translated("None"))?;
-        self.click("button", "Close the panel")?;
+        self.page.open_panel("Telemetry")?;
         self.page
             .wait_for_text("output", translated("Motion"), |text| !old(text))?;
         Ok(())
@@ -227,7 +219,7 @@ impl Judge {
     }
 
     fn question(&mut self) -> Result<()> {
-        open_panel(&self.page, translated("Settings"))?;
+        self.page.open_panel("Settings")?;
         wait_until_enabled(&self.page, "button", translated("Delete all data"), true)?;
         self.click("button", "Delete all data")?;
         self.screen("question")

@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, open_panel,
+    Scenario, assert_ends_braked, assert_quiet_console,
     rules::{nothing_but_stops_and_questions, the_log_has_it_all, what_is_shown_is_true},
     wait_for_speed, wait_for_wire,
 };
@@ -180,7 +180,7 @@ fn an_adapter_that_does_all_of_it_comes_back_from_a_pull() -> Result<()> {
 fn diagnosed(fault: &[&str], cause: &str, advice: &str) -> Result<String> {
     let scenario = Scenario::connected(Line::default().with(fault))?;
     let page = &scenario.page;
-    open_panel(page, "Link")?;
+    page.open_panel("Link")?;
     // It names no wire while the computer is late, as one that is busy is.
     page.wait_for_text_within(Duration::from_secs(60), "list", "Link diagnosis", |text| {
         text.contains(cause) && text.contains(advice)

@@ -5,10 +5,7 @@ use end_to_end::{Bench, View};
 use motorlink_i18n::{Language, set_language, translated};
 use serde_json::json;
 
-use crate::fixture::{
-    open_panel,
-    places::{LANDSCAPE, LAPTOP, READ_OUTS, WIDE, in_sight, look},
-};
+use crate::fixture::places::{LANDSCAPE, LAPTOP, READ_OUTS, WIDE, in_sight, look};
 
 /// Fields and buttons whose text is wider than they are, or that end beyond their row.
 const CUT: &str = "(() => {
@@ -19,7 +16,7 @@ const CUT: &str = "(() => {
     };
     const shown = (element) => element.getClientRects().length && getComputedStyle(element).visibility === 'visible';
     const cut = [];
-    for (const element of document.querySelectorAll('.control-panel input, .graph-head select, .control-panel button')) {
+    for (const element of document.querySelectorAll(':is(.control-panel, .place) :is(input, button), .graph-head select')) {
         if (!shown(element)) continue;
         const text = element.value && element.tagName === 'INPUT' && element.type === 'text' ? element.value
             : element.tagName === 'SELECT' ? element.selectedOptions[0].text
@@ -29,7 +26,7 @@ const CUT: &str = "(() => {
         // On a phone the tabs are swiped.
         const tabs = element.closest('.tabs');
         const swiped = tabs && getComputedStyle(tabs).overflowX === 'auto';
-        const row = swiped ? null : element.closest('.loop-head') ?? element.closest('.control-panel');
+        const row = swiped ? null : element.closest('.loop-head') ?? element.closest('.control-panel, .place');
         const over = row && element.getBoundingClientRect().right > row.getBoundingClientRect().right + 0.5;
         if (over || width(element, text) + rest > element.clientWidth + 0.5) cut.push(text);
     }
@@ -50,20 +47,19 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
             text.chars().any(char::is_alphabetic)
         })?;
         page.find_like("img", translated("Speed and current"))?;
+        page.open_panel("Recording")?;
         page.click("button", translated("Record telemetry"))?;
         for view in [View::PHONE, View::TABLET, LAPTOP, View::DESKTOP] {
             look(&page, view)?;
             if view == View::DESKTOP {
                 assert_eq!(page.evaluate(CUT_COUNTS)?, json!([]), "{}", language.key());
             }
-            for tab in [
-                "Velocity",
-                "Current",
-                "Position",
-                "Open loop",
-                "ID Manager",
-                "Raw Hex",
-            ] {
+            for panel in ["Recording", "Link", "Settings", "Control"] {
+                page.open_panel(panel)?;
+                let cut = page.evaluate(CUT)?;
+                assert_eq!(cut, json!([]), "{panel} in {view:?}, {}", language.key());
+            }
+            for tab in ["Velocity", "Current", "Position", "Open loop"] {
                 page.click("tab", translated(tab))?;
                 if tab == "Position" {
                     page.fill("spinbutton", translated("Target angle"), "270")?;
@@ -78,7 +74,7 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
 }
 
 /// Counts that are larger than their place, or touch the edge of their card.
-const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words, .entries span:not(.comma)')].filter((words) => {
+const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words, .entries span:not(.comma)')].filter((words) => words.getClientRects().length).filter((words) => {
     const [{ top, bottom }, card] = [words, words.closest('.panel')].map((place) => place.getBoundingClientRect());
     return words.scrollWidth > words.clientWidth + 1 || words.scrollHeight > words.clientHeight + 1
         || top < card.top + 3 || bottom > card.bottom - 3;
@@ -108,15 +104,15 @@ const SMALL_NUMBERS: &str = "[...document.querySelectorAll('.twin-scale text')]
     .filter((size) => size < 10.9)";
 
 #[test]
-fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
+fn in_a_group_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     set_language(Language::German);
     let bench = Bench::reuse()?;
-    let page = bench.open("/?port=virtual&lang=de")?;
+    let page = bench.open("/?port=virtual&motors=2&lang=de")?;
     page.find("button", translated("Skip the tour"))?;
     page.find_like("img", translated("Speed and current"))?;
     look(&page, View::DESKTOP)?;
     assert_eq!(page.evaluate(COVERED)?, json!([]));
-    open_panel(&page, translated("Drive together"))?;
+    page.open_panel("Drive together")?;
     // The tour is shown too.
     for view in [View::window(1280, 900), View::DESKTOP] {
         look(&page, view)?;

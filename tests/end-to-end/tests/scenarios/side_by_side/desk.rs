@@ -7,7 +7,7 @@ use end_to_end::{Bench, Frame, Line, Page, Usb, View, now_us, retry, wait_until}
 use serde_json::json;
 
 use crate::fixture::{
-    Scenario, connect, open_panel,
+    Scenario, connect,
     places::{LANDSCAPE, LAPTOP, Place, READ_OUTS, STOP, WIDE, WIDEST, in_sight, look},
     spin, wait_for_wire,
 };
@@ -71,9 +71,8 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
         adapter,
         page,
     };
-    open_panel(&scenario.page, "Settings")?;
+    scenario.page.open_panel("Settings")?;
     scenario.page.fill("spinbutton", "Current limit", "8")?;
-    scenario.page.click("button", "Settings")?;
     spin(&scenario.page, "+100", 97..=103)?;
     scenario.adapter.act("block 1 on")?;
     let page = &scenario.page;
@@ -92,7 +91,7 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
 
 /// Scans until every motor is found: on a busy machine a scan may miss some.
 fn find_motors(page: &Page, motors: usize) -> Result<()> {
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     retry("full scan", SCANS_MAX, || {
         let scan = page.find_all("button", "Full scan")?.pop();
         scan.context("no button Full scan")?.click()?;
@@ -112,7 +111,7 @@ fn find_motors(page: &Page, motors: usize) -> Result<()> {
             Err(format!("{found} motors"))
         })
     })?;
-    page.click("tab", "Velocity")
+    page.open_panel("Control")
 }
 
 /// The rover of the issue: driven by the pad, with the telemetry of all four motors and the graph beside it.
@@ -123,7 +122,7 @@ fn a_group_is_driven_with_its_telemetry_and_the_graph_in_sight() -> Result<()> {
     page.click("button", "Skip the tour")?;
     find_motors(page, 4)?;
     look(page, View::DESKTOP)?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     for id in 1..=4 {
         page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
         let side = if id % 2 == 1 { "left" } else { "right" };
@@ -156,7 +155,7 @@ fn a_group_is_driven_with_its_telemetry_and_the_graph_in_sight() -> Result<()> {
     in_sight(page, view, "application", "Drive pad")?;
     page.release_key("ArrowUp")?;
     for panel in ["Link", "Settings"] {
-        open_panel(page, panel)?;
+        page.open_panel(panel)?;
         let panel = in_sight(page, view, "region", panel)?;
         let graph = in_sight(page, view, "img", "Speed and current")?;
         assert!(!panel.covers(graph));
@@ -170,7 +169,7 @@ fn eight_motors_are_in_sight_in_the_strip_and_in_the_list() -> Result<()> {
     let page = &scenario.page;
     page.click("button", "Skip the tour")?;
     find_motors(page, 8)?;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     for view in [View::DESKTOP, LAPTOP] {
         look(page, view)?;
         for id in 1..=8 {

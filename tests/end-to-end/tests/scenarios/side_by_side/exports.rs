@@ -27,7 +27,7 @@ fn a_busy_minute(scenario: &Scenario) -> Result<()> {
     page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("current")
     })?;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     page.click("button", "Scan")?;
     // A delayed machine may hear no motor.
     page.wait_for_text("status", "Scan result", |text| {
@@ -239,6 +239,7 @@ fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
     disconnect(&scenario)?;
+    page.open_panel("Recording")?;
     let file = page.download("Export telemetry CSV")?;
     assert!(file.bytes()?.is_ascii());
     let table = Table::read(&file)?;
@@ -254,6 +255,7 @@ fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
 fn a_recording_has_one_row_a_reply_from_press_to_press() -> Result<()> {
     let scenario = Scenario::spinning()?;
     let page = &scenario.page;
+    page.open_panel("Recording")?;
     let before = now_us();
     page.click("button", "Record telemetry")?;
     let began = now_us();
@@ -292,6 +294,7 @@ fn a_reply_that_is_lost_is_no_row() -> Result<()> {
     page.wait_for_text("output", "Link", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(3));
     disconnect(&scenario)?;
+    page.open_panel("Recording")?;
     let table = Table::read(&page.download("Export telemetry CSV")?)?;
     let wire = scenario.adapter.wire()?;
     let requests = wire

@@ -3,7 +3,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, number, open_panel, spin, wait_for_speed,
+    Scenario, assert_ends_braked, assert_quiet_console, number, spin, spin_by, wait_for_speed,
     wait_until_enabled,
 };
 use anyhow::{Result, bail};
@@ -85,7 +85,9 @@ fn wait_until_open(page: &Page, role: &str, name: &str, open: bool) -> Result<()
 fn escape_closes_one_thing_at_a_time_and_stops_what_is_driven() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
+    page.click("button", "Setup link")?;
+    wait_until_open(page, "region", "Setup link", true)?;
     page.fill("searchbox", "Filter", "query")?;
     page.click("button", "Help")?;
     wait_until_open(page, "dialog", "Help", true)?;
@@ -97,23 +99,25 @@ fn escape_closes_one_thing_at_a_time_and_stops_what_is_driven() -> Result<()> {
     page.press("Escape")?;
     assert_eq!(page.evaluate(typed)?, "");
     assert!(
-        !page.find_all("region", "Settings")?.is_empty(),
+        !page.find_all("region", "Setup link")?.is_empty(),
         "one thing"
     );
     page.press("Escape")?;
-    wait_until_open(page, "region", "Settings", false)?;
+    wait_until_open(page, "region", "Setup link", false)?;
     page.press("Escape")?;
     thread::sleep(AFTER_RELEASE);
     assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
     // Nothing is latched: the motor drives at once. Now Escape stops it, and closes nothing more.
-    open_panel(page, "Settings")?;
-    spin(page, "+50", 47..=53)?;
+    page.open_panel("Control")?;
+    page.click("button", "Virtual motors")?;
+    wait_until_open(page, "region", "Virtual motors", true)?;
+    spin_by("press 1", page, 47..=53, || page.press("1"))?;
     let pressed = now_us();
     page.press("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| text.contains("confirmed"))?;
     wait_for_speed(page, 0..=0)?;
     assert_ends_braked(&scenario.since(pressed)?);
-    assert!(!page.find_all("region", "Settings")?.is_empty());
+    assert!(!page.find_all("region", "Virtual motors")?.is_empty());
     assert_quiet_console(page);
     Ok(())
 }
@@ -227,12 +231,18 @@ fn the_focus_is_never_lost() -> Result<()> {
     wait_for_focus(&page, "it.closest('.help')")?;
     page.press("Escape")?;
     wait_for_focus(&page, "it.ariaLabel === 'Help'")?;
-    for panel in ["Drive together", "Link", "Settings"] {
-        press("button", panel, "Enter")?;
-        wait_for_focus(&page, &format!("it.closest('[aria-label={panel:?}]')"))?;
-        page.press("Escape")?;
-        wait_for_focus(&page, &format!("it.textContent === {panel:?}"))?;
+    for place in ["Record", "Test", "Diagnose", "Drive", "Setup"] {
+        press("button", place, "Enter")?;
+        wait_for_focus(&page, &format!("it.textContent === {place:?}"))?;
     }
+    press("button", "Setup link", "Enter")?;
+    wait_for_focus(&page, "it.closest('[aria-label=\"Setup link\"]')")?;
+    page.press("Escape")?;
+    wait_for_focus(&page, "it.textContent === 'Setup link'")?;
+    // What is shown in another place has the focus no more.
+    page.find("spinbutton", "Speed limit")?.focus()?;
+    page.press("Alt+1")?;
+    wait_for_focus(&page, "it.id === 'control'")?;
     assert_quiet_console(&page);
     Ok(())
 }

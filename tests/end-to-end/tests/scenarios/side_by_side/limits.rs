@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, open_panel, wait_for_speed,
-    wait_until_enabled,
+    Scenario, assert_ends_braked, assert_quiet_console, wait_for_speed, wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Line, Page, now_us};
@@ -26,7 +25,7 @@ fn is_stopped_and_said(scenario: &Scenario, since_us: u64, why: &str) -> Result<
 #[test]
 fn a_wheel_beyond_its_speed_limit_is_stopped_and_faster_ones_are_not_started() -> Result<()> {
     let scenario = Scenario::spinning()?;
-    open_panel(&scenario.page, "Settings")?;
+    scenario.page.open_panel("Settings")?;
     let lowered = now_us();
     scenario.page.fill("spinbutton", "Speed limit", "60")?;
     is_stopped_and_said(&scenario, lowered, "above your limit of 60 rpm")?;
@@ -57,15 +56,16 @@ fn a_hot_motor_is_stopped_before_it_protects_itself() -> Result<()> {
 fn limits_are_kept_for_the_next_port_and_the_next_visit() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     page.fill("spinbutton", "Speed limit", "60")?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.reload()?;
     page.click("button", "Connect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     assert_eq!(page.find("spinbutton", "Speed limit")?.value, "60");
+    page.open_panel("Control")?;
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
     page.press("2")?;
     let refused = |text: &str| text.contains(ABOVE_LIMIT);
@@ -78,10 +78,10 @@ fn limits_show_where_one_drives() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     assert!(page.find_all("button", "Limit: 60 rpm")?.is_empty());
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     page.fill("spinbutton", "Speed limit", "60")?;
     page.fill("spinbutton", "Temperature limit", "55")?;
-    page.click("button", "Close the panel")?;
+    page.open_panel("Control")?;
     page.wait_for_text("output", "Temperature", |text| text.contains("limit 55 °C"))?;
     // The field says it, and so do Start and the message of the panel, without a press.
     page.fill("spinbutton", "Target speed", "61")?;
@@ -105,7 +105,7 @@ fn limits_show_where_one_drives() -> Result<()> {
     page.find("spinbutton", "Speed limit")?;
     // The slider of the current loop ends at its limit too: 1.5 A of 8 A, which are 32,767 raw.
     page.fill("spinbutton", "Current limit", "1.5")?;
-    page.click("button", "Close the panel")?;
+    page.open_panel("Control")?;
     page.click("tab", "Current")?;
     let slider = page.evaluate("document.querySelector('.slider[max=\"6143\"]')?.min")?;
     assert_eq!(slider, "-6143");

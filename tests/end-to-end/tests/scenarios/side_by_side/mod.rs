@@ -20,6 +20,7 @@ mod offline;
 mod pages_gone;
 mod parts;
 mod phone;
+mod places;
 mod plotting;
 mod raw_frames;
 mod reflow;

@@ -4,8 +4,7 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Scenario, assert_quiet_console, number, open_panel, rules, spin, wait_for_speed,
-    wait_until_enabled,
+    Scenario, assert_quiet_console, number, rules, spin, wait_for_speed, wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Frame, Line, Page, Usb, now_us, retry, wait_until};
@@ -244,20 +243,21 @@ fn limited(scenario: &mut Scenario) -> Result<()> {
     page.click("tab", "Velocity")?;
     wait_until_enabled(page, "button", "+50", true)?;
     spin(page, "+50", 48..=52)?;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     page.fill("spinbutton", "Speed limit", "30")?;
     page.wait_for_text("region", "Notices", |text| {
         text.contains("above your limit of 30 rpm")
     })?;
     wait_for_speed(page, 0..=0)?;
+    page.open_panel("Settings")?;
     page.fill("spinbutton", "Speed limit", "200")?;
-    page.click("button", "Close the panel")
+    page.open_panel("Control")
 }
 
 /// A scan finds the motor, and it takes another ID.
 fn given_an_id(scenario: &Scenario) -> Result<()> {
     let page = &scenario.page;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     page.fill("spinbutton", "New ID", "5")?;
     page.click("button", "Set ID")?;
     wait_until("the question for the ID", SCAN_MAX, || {

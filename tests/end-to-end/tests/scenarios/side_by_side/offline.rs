@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::fixture::{assert_quiet_console, open_panel, spin};
+use crate::fixture::{assert_quiet_console, spin};
 use anyhow::{Context, Result};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -239,7 +239,7 @@ fn a_new_version_is_taken() -> Result<bool> {
 fn where_the_page_cannot_be_installed_settings_say_why() -> Result<()> {
     let bench = Bench::reuse()?;
     let page = bench.open("/")?;
-    open_panel(&page, "Settings")?;
+    page.open_panel("Settings")?;
     let install = page.find("button", "Install")?;
     assert!(
         !install.disabled || install.description.contains("does not offer installation"),

@@ -28,7 +28,9 @@ const PLOT_HEAD: [&str; 10] = [
 /// A drive, another one and a stop.
 fn record(scenario: &Scenario) -> Result<()> {
     let page = &scenario.page;
+    page.open_panel("Recording")?;
     page.click("button", "Record telemetry")?;
+    page.open_panel("Control")?;
     thread::sleep(Duration::from_millis(500));
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
@@ -37,6 +39,7 @@ fn record(scenario: &Scenario) -> Result<()> {
         text.to_lowercase().contains("confirmed")
     })?;
     page.click("button", "Release")?;
+    page.open_panel("Recording")?;
     page.click("button", "Stop recording")?;
     Ok(())
 }

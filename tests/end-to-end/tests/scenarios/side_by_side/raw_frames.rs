@@ -16,7 +16,7 @@ const DRIVE: &str = "01 64 00 64 00 00 00 00 00";
 
 fn in_the_editor() -> Result<Scenario> {
     let scenario = Scenario::connected(Line::default())?;
-    scenario.page.click("tab", "Raw Hex")?;
+    scenario.page.open_panel("Raw Hex")?;
     Ok(scenario)
 }
 

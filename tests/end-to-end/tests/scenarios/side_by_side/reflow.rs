@@ -5,7 +5,7 @@ use anyhow::Result;
 use end_to_end::{Line, Page, View};
 use serde_json::json;
 
-use crate::fixture::{Scenario, open_panel, places::look, spin};
+use crate::fixture::{Scenario, places::look, spin};
 
 /// A narrow phone, and 1280 x 1024 at 400 %.
 const VIEWS: [View; 2] = [View::window(320, 640), View::window(320, 256)];
@@ -31,7 +31,7 @@ const LOST: &str = "(() => {
         if (scrolls || over.length || !element.childElementCount)
             lost.push(`${scrolls ? 'scrolls' : 'cut'}: ${name(element)}: ${over.map(name)}`);
     }
-    const dialog = document.querySelector('.scrim:not([hidden]) :is([role=dialog], [role=alertdialog]), .drawer:not([hidden])');
+    const dialog = document.querySelector('.scrim:not([hidden]) :is([role=dialog], [role=alertdialog]), .opened:not([hidden])');
     for (const place of [dialog, document.querySelector('.stopped')])
         if (place && is_shown(place) && place.getBoundingClientRect().top < 0) lost.push(`begins above the window: ${name(place)}`);
     // What lies under the dialog Stopped drives nothing until Release.
@@ -75,23 +75,15 @@ fn at_400_percent_nothing_is_lost() -> Result<()> {
     page.click("button", "Skip the tour")?;
     for view in VIEWS {
         look(page, view)?;
-        for tab in ["Velocity", "Current", "Position", "ID Manager", "Raw Hex"] {
+        for tab in ["Velocity", "Current", "Position"] {
             page.click("tab", tab)?;
             lost.extend(nothing_is_lost(page, view, tab)?);
         }
         page.click("tab", "Velocity")?;
-        for screen in ["Graph", "Log", "Motors", "More", "Drive"] {
-            page.click("button", screen)?;
-            lost.extend(nothing_is_lost(page, view, screen)?);
-            if screen == "Motors" {
-                page.click("button", "Close the panel")?;
-            }
-            if screen == "More" {
-                for panel in ["Link", "Settings"] {
-                    open_panel(page, panel)?;
-                    lost.extend(nothing_is_lost(page, view, panel)?);
-                    page.click("button", "Close the panel")?;
-                }
+        for place in ["Record", "Diagnose", "Setup", "Drive"] {
+            page.click("button", place)?;
+            lost.extend(nothing_is_lost(page, view, place)?);
+            if place == "Setup" {
                 page.click("button", "Help")?;
                 lost.extend(nothing_is_lost(page, view, "Help")?);
                 page.click("button", "Close")?;

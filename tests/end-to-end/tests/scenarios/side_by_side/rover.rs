@@ -2,9 +2,7 @@
 
 use std::{thread, time::Duration};
 
-use crate::fixture::{
-    Scenario, assert_quiet_console, number, open_panel, wait_for_wire, wait_until_enabled,
-};
+use crate::fixture::{Scenario, assert_quiet_console, number, wait_for_wire, wait_until_enabled};
 use anyhow::{Context, Result};
 use end_to_end::{Line, Page, View, WAIT_MAX, now_us, wait_until};
 
@@ -28,13 +26,13 @@ fn rover() -> Result<Scenario> {
     page.evaluate(FLEET)?;
     page.reload()?;
     crate::fixture::connect(page)?;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     let scan = page.find_all("button", "Full scan")?.pop();
     scan.context("no button Full scan")?.click()?;
     page.wait_for_text_within(SCAN_MAX, "status", "Scan result", |text| {
         text.contains("4 motors")
     })?;
-    open_panel(page, "Drive together")?;
+    page.open_panel("Drive together")?;
     page.fill("spinbutton", "Group speed", "80")?;
     page.press("Enter")?;
     wait_until_enabled(page, "application", "Drive pad", true)?;
@@ -148,7 +146,7 @@ fn a_rover_is_seen_from_above_with_the_path_that_it_drives() -> Result<()> {
         })
     })?;
     page.find("region", "Wheel")?;
-    open_panel(page, "Drive together")?;
+    page.open_panel("Drive together")?;
     assert_eq!(page.find("spinbutton", "Wheel radius")?.value, "60");
     assert_quiet_console(page);
     Ok(())

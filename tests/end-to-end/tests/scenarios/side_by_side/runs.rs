@@ -11,7 +11,7 @@ use crate::fixture::{Scenario, assert_quiet_console};
 pub(super) fn running(line: Line) -> Result<(Scenario, u64)> {
     let scenario = Scenario::connected(line)?;
     let page = &scenario.page;
-    page.click("button", "Experiments")?;
+    page.open_panel("Experiments")?;
     page.click("button", "Arm")?;
     page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
     scenario.stays_undriven(Duration::from_secs(1))?;

@@ -11,7 +11,7 @@ use end_to_end::{Frame, Line, Page, WAIT_MAX, WireLog, now_us, retry, wait_until
 /// With the tab open in which motors are found.
 fn in_the_id_manager(line: Line) -> Result<Scenario> {
     let scenario = Scenario::connected(line)?;
-    scenario.page.click("tab", "ID Manager")?;
+    scenario.page.open_panel("ID Manager")?;
     Ok(scenario)
 }
 
@@ -140,7 +140,7 @@ fn a_scan_tells_how_far_it_is_and_ends_at_once_when_cancelled() -> Result<()> {
 fn what_is_driven_stands_before_anybody_else_is_asked() -> Result<()> {
     let scenario = Scenario::spinning()?;
     let page = &scenario.page;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     let pressed = now_us();
     press_full_scan(page)?;
     let wire = wait_for_wire(&scenario, pressed, "another address to be asked", |wire| {

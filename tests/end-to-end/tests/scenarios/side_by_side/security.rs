@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::fixture::{Scenario, assert_quiet_console, open_panel, spin};
+use crate::fixture::{Scenario, assert_quiet_console, spin};
 use anyhow::Result;
 use end_to_end::{Line, Page, WAIT_MAX, wait_until};
 use serde_json::Value;
@@ -34,13 +34,12 @@ fn listening(line: Line) -> Result<Scenario> {
 fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result<()> {
     let scenario = listening(Line::with_motors(&[1, 2]))?;
     let page = &scenario.page;
-    for tab in ["Current", "Position", "ID Manager", "Raw Hex", "Velocity"] {
+    for tab in ["Current", "Position", "Velocity"] {
         page.click("tab", tab)?;
     }
-    for panel in ["Link", "Drive together", "Settings"] {
-        open_panel(page, panel)?;
+    for panel in ["Session file", "Experiments", "Settings", "Link"] {
+        page.open_panel(panel)?;
     }
-    page.click("button", "Close the panel")?;
     spin(page, "+100", 97..=103)?;
     page.press("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| text.contains("onfirmed"))?;
@@ -57,6 +56,7 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
     })?;
     page.press("Escape")?;
     page.download("Export CSV")?;
+    page.open_panel("Recording")?;
     page.download("Export telemetry CSV")?;
     page.download("Plot CSV")?;
     assert_eq!(broken(page)?, [""; 0]);
@@ -126,7 +126,7 @@ fn a_name_is_text_wherever_it_stands() -> Result<()> {
         &file,
         r#"{"motorlink_setup": 1, "motors": [{"id": 1, "name": "<img src=x>\"&lt;"}]}"#,
     )?;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     page.upload("Import setup", &file)?;
     page.wait_for_text("region", "Motors", |text| {
         text.contains("<img src=x>\"&lt;")

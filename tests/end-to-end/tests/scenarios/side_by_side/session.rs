@@ -5,7 +5,7 @@ use std::{thread, time::Duration};
 use crate::fixture::{
     assert_quiet_console, connect,
     exports::{Table, hex, undisturbed_replies},
-    open_panel, spin, wait_until_enabled,
+    open_name, spin, wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Adapter, Bench, Frame, Line, Page, Usb, WAIT_MAX, WireLog, now_us, wait_until};
@@ -18,6 +18,7 @@ fn recorded_until_a_crash(bench: &Bench, adapter: &Adapter) -> Result<(WireLog, 
     let page = bench.open("/")?;
     page.fill("spinbutton", "Command rate", "120")?;
     connect(&page)?;
+    page.open_panel("Recording")?;
     page.click("button", "Record telemetry")?;
     spin(&page, "+100", 97..=103)?;
     thread::sleep(Duration::from_secs(3));
@@ -34,6 +35,7 @@ fn offered(page: &Page) -> Result<String> {
 
 fn restore(page: &Page) -> Result<()> {
     page.click("button", "Restore session")?;
+    page.open_panel("Recording")?;
     page.wait_for_text("output", "Recorded", |text| {
         // It may have become a file before the crash.
         text.contains("Recorded")
@@ -94,6 +96,7 @@ fn compare(page: &Page, wire: &WireLog, crashed_us: u64) -> Result<[u64; 2]> {
     let host = timed(&wire.from_host());
     let lost_log = assert_whole_until_a_second_before("log", &sent, &host, crashed_us);
 
+    page.open_panel("Recording")?;
     let telemetry = Table::read(&page.download("Export telemetry CSV")?)?;
     let raw = telemetry.column("raw_hex")?;
     let replies: Vec<(u64, String)> = undisturbed_replies(wire)
@@ -216,16 +219,20 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     assert_nothing_offered(&page)?;
 
     connect(&page)?;
-    page.click("button", "Drive together")?;
-    page.fill("textbox", "Name of 0x01", "Port")?;
+    open_name(&page)?;
+    page.fill("textbox", "Name", "Port")?;
+    page.find("button", "Motor 0x01, Port")?;
+    page.open_panel("Recording")?;
     page.click("button", "Record telemetry")?;
-    open_panel(&page, "Settings")?;
+    page.open_panel("Settings")?;
     wait_until_enabled(&page, "button", "Delete all data", false)?;
     let why = page.find("button", "Delete all data")?.description;
     assert!(why.contains("Stop the recording first"), "{why}");
     thread::sleep(Duration::from_secs(1));
+    page.open_panel("Recording")?;
     page.click("button", "Stop recording")?;
     page.click("button", "Disconnect")?;
+    page.open_panel("Settings")?;
     page.click("button", "Delete all data")?;
     page.click("button", "Cancel")?;
     assert_ne!(page.evaluate("Object.keys(localStorage).length")?, 0);
@@ -234,6 +241,7 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     page.wait_for_text("status", "Stored in this browser", |text| {
         text.contains("Deleted")
     })?;
+    page.open_panel("Recording")?;
     page.wait_for_text("output", "Recorded", |text| text.contains("0 samples"))?;
     let keys = page.evaluate("Object.keys(localStorage).length")?;
     assert_eq!(keys, 0);
@@ -241,8 +249,7 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     assert_nothing_offered(&page)?;
     assert_eq!(page.find("spinbutton", "Command rate")?.value, "50");
     connect(&page)?;
-    page.click("button", "Drive together")?;
-    assert_eq!(page.find("textbox", "Name of 0x01")?.value, "");
+    page.find("button", "Motor 0x01")?;
     assert_quiet_console(&page);
     Ok(())
 }

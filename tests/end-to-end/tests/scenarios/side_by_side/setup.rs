@@ -2,9 +2,7 @@
 
 use std::fs;
 
-use crate::fixture::{
-    Scenario, assert_quiet_console, open_panel, wait_for_speed, wait_until_enabled,
-};
+use crate::fixture::{Scenario, assert_quiet_console, wait_for_speed, wait_until_enabled};
 use anyhow::Result;
 use end_to_end::{Download, Line, Page};
 
@@ -12,8 +10,12 @@ use end_to_end::{Download, Line, Page};
 fn rover() -> Result<Scenario> {
     let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
     let page = &scenario.page;
+    // A group has two motors.
+    page.evaluate("localStorage.setItem('motorlink.fleet', '2\\tyes\\tright\\tStarboard\\n')")?;
+    page.reload()?;
+    crate::fixture::connect(page)?;
     page.fill("spinbutton", "Command rate", "120")?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     page.fill("textbox", "Name of 0x01", "Port")?;
     page.choose("Side of 0x01", "left")?;
     page.click("checkbox", "Drive 0x01")?;
@@ -33,10 +35,10 @@ fn shown(page: &Page) -> Result<[String; 5]> {
 }
 
 fn import(page: &Page, file: &Download, wanted: &str) -> Result<String> {
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     page.upload("Import setup", &file.path)?;
     let words = page.wait_for_text("status", "Setup", |text| text.contains(wanted))?;
-    open_panel(page, "Drive together")?;
+    page.open_panel("Drive together")?;
     Ok(words)
 }
 
@@ -45,9 +47,9 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
     let scenario = rover()?;
     let page = &scenario.page;
     let mine = shown(page)?;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     let file = page.download("Export setup")?;
-    open_panel(page, "Drive together")?;
+    page.open_panel("Drive together")?;
     assert_eq!(file.name, "motorlink-setup.json");
     let json = String::from_utf8(file.bytes()?)?;
     assert!(json.contains("\"motorlink_setup\": 1"), "{json}");
@@ -71,7 +73,7 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
     assert_eq!(shown(page)?, mine);
     page.reload()?;
     crate::fixture::connect(page)?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     assert_eq!(shown(page)?, mine);
     assert_quiet_console(page);
     Ok(())
@@ -81,7 +83,7 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
 fn while_a_wheel_turns_no_setup_is_taken_in() -> Result<()> {
     let scenario = Scenario::spinning()?;
     let page = &scenario.page;
-    open_panel(page, "Settings")?;
+    page.open_panel("Settings")?;
     wait_until_enabled(page, "button", "Import setup", false)?;
     let why = page.find("button", "Import setup")?.description;
     assert!(why.contains("Motor 0x01 is in use"), "{why}");

@@ -2,7 +2,9 @@
 
 use std::{thread, time::Duration};
 
-use crate::fixture::{Scenario, assert_ends_braked, assert_quiet_console, wait_for_wire};
+use crate::fixture::{
+    Scenario, assert_ends_braked, assert_quiet_console, open_name, wait_for_wire,
+};
 use anyhow::{Context, Result};
 use end_to_end::{Line, Page, now_us};
 
@@ -10,11 +12,11 @@ use end_to_end::{Line, Page, now_us};
 fn rover() -> Result<Scenario> {
     let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
     let page = &scenario.page;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     let scan = page.find_all("button", "Full scan")?.pop();
     scan.context("no button Full scan")?.click()?;
     page.wait_for_text("status", "Scan result", |text| text.contains("2 motors"))?;
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     for id in 1..=2 {
         page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
     }
@@ -73,9 +75,9 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
 fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
     let scenario = Scenario::connected(Line::with_motors(&[1]))?;
     let page = &scenario.page;
-    page.click("button", "Drive together")?;
-    page.choose("Side of 0x01", "right")?;
-    page.click("button", "Drive together")?;
+    open_name(page)?;
+    page.click("radio", "right, mirrored")?;
+    page.click("button", "Save")?;
     let pressed = now_us();
     page.click("button", "+100")?;
     wait_for_wire(&scenario, pressed, "-100 rpm", |wire| {
@@ -92,13 +94,8 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
     assert!(sent.iter().all(|rpm| *rpm == Some(-100)), "{sent:?}");
 
     // While it is driven, its side stays.
-    page.click("button", "Drive together")?;
-    let side = page.find("combobox", "Side of 0x01")?;
-    assert!(
-        side.disabled && side.description.contains("running"),
-        "{}",
-        side.description
-    );
+    open_name(page)?;
+    assert!(page.find("radio", "right, mirrored")?.disabled);
     let stopped = now_us();
     page.press("Escape")?;
     thread::sleep(Duration::from_millis(800));

@@ -28,6 +28,7 @@ fn survives_a_pull(scenario: &mut Scenario) -> Result<()> {
     scenario.adapter.plug()?;
     let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.open_panel("Telemetry")?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(1));
     nothing_but_stops_and_questions(&scenario.since(back_us)?)?;
@@ -106,7 +107,7 @@ fn an_adapter_pulled_out_during_a_scan_comes_back_and_the_scan_does_not_go_on() 
     // Silent addresses are waited for longer where bytes are held, so there is time to pull.
     let mut scenario = Scenario::connected(Line::default().with(&["--latency-ms", "16"]))?;
     let page = &scenario.page;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     let pressed = now_us();
     let buttons = page.find_all("button", "Full scan")?;
     buttons.last().unwrap().click()?;
@@ -128,7 +129,7 @@ fn an_adapter_pulled_out_during_a_scan_comes_back_and_the_scan_does_not_go_on() 
 fn an_adapter_pulled_out_during_an_id_change_comes_back_and_changes_nothing() -> Result<()> {
     let mut scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     page.fill("spinbutton", "New ID", "5")?;
     page.click("button", "Set ID")?;
     wait_until("the question", SCAN_MAX, || {

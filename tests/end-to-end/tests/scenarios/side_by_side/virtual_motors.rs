@@ -57,7 +57,7 @@ fn an_address_opens_a_rover_that_drives_and_a_real_one_keeps_its_names() -> Resu
             "Motor 0x04, Rear right, right, mirrored",
         ]
     );
-    page.click("button", "Drive together")?;
+    page.open_panel("Drive together")?;
     page.fill("spinbutton", "Group speed", "60")?;
     page.press("Enter")?;
     page.click("button", "Start group")?;
@@ -136,7 +136,7 @@ fn the_virtual_motors_are_chosen_in_a_menu_and_remembered() -> Result<()> {
 
     page.click("button", "Skip the tour")?;
     look(&page, View::PHONE)?;
-    page.click("button", "More")?;
+    page.click("button", "Setup")?;
     page.click("button", "Virtual motors")?;
     in_sight(&page, View::PHONE, "button", "Connect virtual motors")?;
     in_sight(&page, View::PHONE, STOP.0, STOP.1)?;

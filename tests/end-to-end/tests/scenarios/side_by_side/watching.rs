@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Scenario, assert_quiet_console, number, open_panel, spin, tick, wait_for_speed,
-    wait_until_enabled,
+    Scenario, assert_quiet_console, number, spin, tick, wait_for_speed, wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Line, Page, WAIT_MAX, wait_until};
@@ -186,9 +185,9 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
 fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
     let mut scenario = Scenario::spinning()?;
     // The limit of half a second would be crossed first.
-    open_panel(&scenario.page, "Settings")?;
+    scenario.page.open_panel("Settings")?;
     scenario.page.fill("spinbutton", "Current limit", "8")?;
-    scenario.page.click("button", "Settings")?;
+    scenario.page.open_panel("Telemetry")?;
     scenario.adapter.act("block 1 on")?;
     let page = &scenario.page;
     let faults = page.wait_for_text_within(STALL_MAX, "output", "Faults", |text| {

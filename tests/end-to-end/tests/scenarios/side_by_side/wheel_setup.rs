@@ -19,7 +19,7 @@ fn reopen(page: &Page) -> Result<()> {
 }
 
 fn open(page: &Page) -> Result<()> {
-    page.click("tab", "ID Manager")?;
+    page.open_panel("ID Manager")?;
     page.click("button", "ID wizard")
 }
 
