@@ -32,6 +32,8 @@ struct Held {
     path: Vec<Element>,
     /// What had the focus before a panel or dialog was entered, as `path`.
     opener: Vec<Element>,
+    /// Whether `opener` is that of the panel that is entered next. The panel may hide the button that opened it.
+    knows_opener: bool,
     /// Whether the pointer was used last. What it presses gives the focus away on purpose.
     by_pointer: bool,
 }
@@ -63,6 +65,7 @@ pub(crate) fn keep(page: Page) {
     });
     effect(move || {
         if page.panel().is_some() {
+            held.borrow_mut().keep_opener();
             in_two_frames(|| {
                 let panel = document().query_selector(".opened:not([hidden])");
                 if let Some(panel) = panel.ok().flatten() {
@@ -84,6 +87,12 @@ impl Held {
         held
     }
 
+    /// A button opens a panel.
+    fn keep_opener(&mut self) {
+        self.opener.clone_from(&self.path);
+        self.knows_opener = true;
+    }
+
     fn entered(&mut self, target: Element) {
         let opened = target.closest(OPENED).ok().flatten();
         let before = self.path.first();
@@ -91,7 +100,9 @@ impl Held {
             && let Some(before) = before
             && !opened.contains(Some(before))
         {
-            self.opener.clone_from(&self.path);
+            if !std::mem::take(&mut self.knows_opener) {
+                self.opener.clone_from(&self.path);
+            }
         }
         let around = |element: &Element| element.parent_element();
         self.path = std::iter::successors(Some(target), around).collect();

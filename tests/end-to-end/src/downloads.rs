@@ -96,7 +96,8 @@ impl Page {
             .call("DOM.getDocument", json!({ "depth": 0 }))?;
         let field = json!({
             "nodeId": at(&document, "/root/nodeId"),
-            "selector": "input[type=file]",
+            // The panels of other places have fields too.
+            "selector": "section:not([hidden]) input[type=file]",
         });
         let field = self.session.call("DOM.querySelector", field)?;
         let files = json!({ "nodeId": at(&field, "/nodeId"), "files": [file] });

@@ -57,13 +57,19 @@ struct Judge {
 }
 
 impl Judge {
-    fn open(bench: &Bench, language: Language, schemes: &'static [Scheme]) -> Result<Self> {
+    /// `more` follows the language in the address.
+    fn open(
+        bench: &Bench,
+        language: Language,
+        schemes: &'static [Scheme],
+        more: &str,
+    ) -> Result<Self> {
         set_language(language);
         let axe = fs::read_to_string(artefacts::axe()?)?;
-        let page = bench.open(&format!("/?lang={}", language.key()))?;
+        let page = bench.open(&format!("/?lang={}{more}", language.key()))?;
         // `void`: what it gives cannot cross.
         page.evaluate(&format!("{axe}; void 0"))?;
-        page.find("button", translated("Connect"))?;
+        page.find("button", translated("Help"))?;
         Ok(Self {
             page,
             language,
@@ -229,17 +235,22 @@ impl Judge {
 /// What depends on colours is judged in English, what does not in the first of a language's colours.
 fn axe_finds_nothing(language: Language, schemes: &'static [Scheme]) -> Result<()> {
     let bench = Bench::reuse()?;
-    let mut judge = Judge::open(&bench, language, schemes)?;
-    judge.unconnected()?;
-    judge.connected()?;
-    assert!(judge.judged >= 18, "only {} screens", judge.judged);
-    let faults: Vec<String> = judge
-        .faults
-        .iter()
+    let mut one = Judge::open(&bench, language, schemes, "")?;
+    one.unconnected()?;
+    one.connected()?;
+    let mut two = Judge::open(&bench, language, schemes, "&port=virtual&motors=2")?;
+    two.click("radio", "Group")?;
+    two.screen("Group")?;
+    let judged = one.judged + two.judged;
+    assert!(judged >= 15, "only {judged} screens");
+    let faults = one.faults.iter().chain(&two.faults);
+    let faults: Vec<String> = faults
         .map(|(fault, screens)| format!("{fault}\n    {}", screens.join(", ")))
         .collect();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
-    assert_eq!(judge.page.console_errors(), Vec::<String>::new());
+    for page in [&one.page, &two.page] {
+        assert_eq!(page.console_errors(), Vec::<String>::new());
+    }
     Ok(())
 }
 
@@ -262,7 +273,7 @@ fn axe_finds_nothing_on_any_german_screen() -> Result<()> {
 #[test]
 fn axe_finds_what_is_wrong() -> Result<()> {
     let bench = Bench::reuse()?;
-    let mut judge = Judge::open(&bench, Language::English, &[Scheme::Light])?;
+    let mut judge = Judge::open(&bench, Language::English, &[Scheme::Light], "")?;
     judge
         .page
         .evaluate("document.querySelector('main').append(document.createElement('button')), 1")?;

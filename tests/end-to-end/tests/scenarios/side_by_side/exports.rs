@@ -238,6 +238,7 @@ fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
     let page = &scenario.page;
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
+    page.click("button", "Release")?;
     disconnect(&scenario)?;
     page.open_panel("Recording")?;
     let file = page.download("Export telemetry CSV")?;

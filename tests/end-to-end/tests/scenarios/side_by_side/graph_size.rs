@@ -40,7 +40,7 @@ fn the_graph_is_large_and_its_values_lie_beside_the_curve() -> Result<()> {
     page.click("button", "Expand")?;
     let expanded = in_sight(page, view, "img", "Speed and current")?;
     assert!(
-        expanded.height() > 600.0 && expanded.width() > 1_150.0,
+        expanded.height() > 600.0 && expanded.width() > 1_100.0,
         "{expanded:?}"
     );
     all_in_sight(

@@ -222,8 +222,10 @@ fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
     scenario.stays_undriven(Duration::from_secs(1))?;
 
     // It was asked once; the editor's own Stop stops the wheel too.
+    page.open_panel("Raw Hex")?;
     page.click("button", "Send")?;
     wait_for_speed(page, 97..=103)?;
+    page.open_panel("Raw Hex")?;
     let stopped = now_us();
     page.click("button", "Stop")?;
     wait_for_speed(page, 0..=0)?;

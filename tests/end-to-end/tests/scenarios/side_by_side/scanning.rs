@@ -86,6 +86,7 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
     // A click selects one, and it is the one that is driven.
     let chosen = now_us();
     page.find_like("button", "0x2A · 42")?.click()?;
+    page.open_panel("Telemetry")?;
     page.wait_for_text("output", "Speed", |text| {
         crate::fixture::number(text).is_some()
     })?;

@@ -89,6 +89,7 @@ fn while_a_wheel_turns_no_setup_is_taken_in() -> Result<()> {
     assert!(why.contains("Motor 0x01 is in use"), "{why}");
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
+    page.open_panel("Settings")?;
     wait_until_enabled(page, "button", "Import setup", true)?;
     Ok(())
 }
