@@ -99,10 +99,9 @@ impl Held {
         if let Some(opened) = &opened
             && let Some(before) = before
             && !opened.contains(Some(before))
+            && !std::mem::take(&mut self.knows_opener)
         {
-            if !std::mem::take(&mut self.knows_opener) {
-                self.opener.clone_from(&self.path);
-            }
+            self.opener.clone_from(&self.path);
         }
         let around = |element: &Element| element.parent_element();
         self.path = std::iter::successors(Some(target), around).collect();
