@@ -61,15 +61,14 @@ pub enum Rule {
     NoInventedValue,
     /// Every motor that is not known to be silent is asked in time, on every line.
     AskedInTime,
-    /// On a good line a started motor gets its first drive frame in the loop of the setpoint.
-    LoopBeforeStart,
-    /// A start ends in time on a good line: the motor is driven, or an event says why not.
+    /// A start ends in time on a good line: the motor is driven, from its first frame on in the loop of the setpoint, or an
+    /// event says why not.
     StartEnds,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 28] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -97,7 +96,6 @@ impl Rule {
         Self::StopsConfirm,
         Self::NoInventedValue,
         Self::AskedInTime,
-        Self::LoopBeforeStart,
         Self::StartEnds,
     ];
 }

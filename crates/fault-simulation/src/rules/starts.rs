@@ -74,7 +74,7 @@ impl Starts {
         let mode = world.motor(id).and_then(VirtualMotor::active_mode);
         if is_healthy && mode.is_some_and(|mode| mode != setpoint.mode()) {
             let what = format!("{id} is driven to {setpoint:?} in {mode:?}");
-            return broken(Rule::LoopBeforeStart, now, what);
+            return broken(Rule::StartEnds, now, what);
         }
         Ok(true)
     }
