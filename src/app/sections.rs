@@ -57,6 +57,12 @@ pub(crate) enum Frame {
     Nothing,
 }
 
+/// A panel of a place other than Drive.
+const fn in_place(class: &'static str, is_open: fn(Page) -> bool) -> (Area, Section) {
+    let panel = Frame::Panel(class, is_open);
+    (Area::Desk, Section::Later(Part::Tools, panel))
+}
+
 /// All sections.
 pub(crate) const SECTIONS: [(Area, Section); 25] = [
     (
@@ -94,41 +100,11 @@ pub(crate) const SECTIONS: [(Area, Section); 25] = [
         Section::Later(Part::Desk, Frame::Tab(Mode::OpenLoop)),
     ),
     (Area::TabPanels, Section::Later(Part::Tools, Frame::Nothing)),
-    (
-        Area::Desk,
-        Section::Later(
-            Part::Tools,
-            Frame::Panel("panel place first", |page| page.place() == Place::Setup),
-        ),
-    ),
-    (
-        Area::Desk,
-        Section::Later(
-            Part::Tools,
-            Frame::Panel("panel place second", |page| page.place() == Place::Setup),
-        ),
-    ),
-    (
-        Area::Desk,
-        Section::Later(
-            Part::Tools,
-            Frame::Panel("panel place first", |page| page.place() == Place::Diagnose),
-        ),
-    ),
-    (
-        Area::Desk,
-        Section::Later(
-            Part::Tools,
-            Frame::Panel("panel place second", |page| page.place() == Place::Diagnose),
-        ),
-    ),
-    (
-        Area::Desk,
-        Section::Later(
-            Part::Tools,
-            Frame::Panel("panel place first", |page| page.place() == Place::Record),
-        ),
-    ),
+    in_place("panel place first", |page| page.place() == Place::Setup),
+    in_place("panel place second", |page| page.place() == Place::Setup),
+    in_place("panel place first", |page| page.place() == Place::Diagnose),
+    in_place("panel place second", |page| page.place() == Place::Diagnose),
+    in_place("panel place first", |page| page.place() == Place::Record),
     // The panels that load when they are opened.
     (Area::Desk, Section::Later(Part::Tools, Frame::Nothing)),
     (
