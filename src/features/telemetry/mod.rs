@@ -157,9 +157,7 @@ fn mode(session: &Session, id: MotorId) -> Option<Shown> {
     let asked = session.motor(id).and_then(next_loop);
     let shown = Shown::new(&reading, loop_name(reading.value).to_owned(), "");
     Some(match asked.filter(|asked| *asked != reading.value) {
-        Some(asked) => shown
-            .with_detail(tr!("target: {mode}", mode = terms::mode(asked)))
-            .bad(),
+        Some(asked) => shown.with_detail(tr!("target: {mode}", mode = terms::mode(asked))),
         None => shown,
     })
 }
@@ -240,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_that_was_not_asked_for_is_marked() {
+    fn the_loop_that_comes_next_is_named() {
         let mut session = session(1_016, status(1_000, Mode::Velocity, 0));
         assert_eq!(text(mode(&session, ID)), "Velocity loop ");
         session.motors[0].activity = Activity::Switching { to: Mode::Position };
