@@ -24,19 +24,17 @@ impl<T: Copy + Default> LastSecond<T> {
         &mut self.slots[place(self.newest)]
     }
 
-    /// The nine complete slots. The current one is left out.
+    /// The nine complete slots, but those since the newest, which are empty. The current one is left out.
     pub(crate) fn over(&self, now: Instant) -> impl Iterator<Item = T> {
-        let mut moved = self.clone();
-        moved.advance(now);
-        let current = place(moved.newest);
-        let slots = moved.slots.into_iter().enumerate();
-        slots
-            .filter(move |(number, _)| *number != current)
-            .map(|(_, slot)| slot)
+        let current = slot_at(now).max(self.newest);
+        (1..SLOTS as u64)
+            .filter_map(move |back| current.checked_sub(back))
+            .filter(|slot| *slot <= self.newest)
+            .filter_map(|slot| self.slots.get(place(slot)).copied())
     }
 
     fn advance(&mut self, now: Instant) {
-        let slot = now.as_micros() / SLOT_US;
+        let slot = slot_at(now);
         let passed = slot.saturating_sub(self.newest).min(SLOTS as u64);
         for back in 0..passed {
             if let Some(stale) = self.slots.get_mut(place(slot - back)) {
@@ -45,6 +43,11 @@ impl<T: Copy + Default> LastSecond<T> {
         }
         self.newest = self.newest.max(slot);
     }
+}
+
+/// Number of the slot since the epoch.
+const fn slot_at(now: Instant) -> u64 {
+    now.as_micros() / SLOT_US
 }
 
 #[allow(

@@ -1,6 +1,6 @@
 //! Round trips on this adapter, and the reply window that follows from them.
 
-use std::time::Duration;
+use std::{mem, time::Duration};
 
 use crate::timing::{FIRST_WINDOW, MAX_WINDOW, MIN_WINDOW};
 
@@ -31,7 +31,10 @@ pub struct RoundTripStatus {
 pub(crate) struct RoundTrip {
     smoothed_us: u32,
     deviation_us: u32,
+    /// The last samples, in the order in which they came.
     kept: [u32; KEPT],
+    /// The same ones, the shortest first: statuses are asked for far more often than replies come.
+    sorted: Vec<u32>,
     count: usize,
     /// The fastest of the last complete [`KEPT`] samples, and of those since.
     fastest_us: [u32; 2],
@@ -45,6 +48,7 @@ impl RoundTrip {
             smoothed_us: 0,
             deviation_us: 0,
             kept: [0; KEPT],
+            sorted: Vec::new(),
             count: 0,
             fastest_us: [u32::MAX; 2],
             lost: 0,
@@ -62,7 +66,13 @@ impl RoundTrip {
         }
         let place = self.count % KEPT;
         if let Some(slot) = self.kept.get_mut(place) {
-            *slot = sample;
+            let oldest = mem::replace(slot, sample);
+            if self.count >= KEPT {
+                let place = self.sorted.partition_point(|kept| *kept < oldest);
+                self.sorted.remove(place);
+            }
+            let place = self.sorted.partition_point(|kept| *kept < sample);
+            self.sorted.insert(place, sample);
         }
         let [earlier, newest] = self.fastest_us;
         self.fastest_us = if place == 0 {
@@ -117,35 +127,23 @@ impl RoundTrip {
     }
 
     pub(crate) fn median_us(&self) -> Option<u32> {
-        let mut kept = self.kept;
-        let samples = kept.get_mut(..self.count.min(KEPT))?;
-        nth(samples, samples.len() / 2)
+        self.sorted.get(self.sorted.len() / 2).copied()
     }
 
     pub(crate) fn status(&self) -> RoundTripStatus {
-        let mut kept = self.kept;
-        let samples = kept.get_mut(..self.count.min(KEPT)).unwrap_or_default();
         let mut histogram = [0_u16; ROUND_TRIP_BINS_US.len() + 1];
-        for took in &*samples {
+        for took in &self.sorted {
             let class = ROUND_TRIP_BINS_US.partition_point(|end| end <= took);
             if let Some(count) = histogram.get_mut(class) {
                 *count += 1;
             }
         }
         RoundTripStatus {
-            median_us: nth(samples, samples.len() / 2),
-            p99_us: nth(samples, samples.len() * 99 / 100),
+            median_us: self.median_us(),
+            p99_us: self.sorted.get(self.sorted.len() * 99 / 100).copied(),
             histogram,
         }
     }
-}
-
-/// The sample at this rank; `None` if there are fewer.
-fn nth(samples: &mut [u32], place: usize) -> Option<u32> {
-    if place >= samples.len() {
-        return None;
-    }
-    Some(*samples.select_nth_unstable(place).1)
 }
 
 /// Exponential moving average: one `weight`th of the sample is new.
