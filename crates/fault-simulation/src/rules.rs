@@ -28,14 +28,14 @@ mod wire;
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{
-    Activity, Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport,
+    Activity, Bus, Command, Consent, Event, Limits, LineEventKind, Refusal, StopReason, StopReport,
     WithdrawReason, is_hazardous,
 };
 use motorlink_protocol::{
-    Frame, Instant, MotorId,
+    Frame, Instant, MotorId, Setpoint,
     family::{Model, Request},
 };
-use motorlink_simulator::World;
+use motorlink_simulator::{VirtualMotor, World};
 
 use self::{
     asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
@@ -163,21 +163,12 @@ impl Rules {
                 id,
                 setpoint,
                 consent,
-            } => {
-                let mut motors = bus.motors(now).filter(|status| status.id == id);
-                let activity = motors.next().map(|status| status.activity);
-                let stops = matches!(activity, Some(Activity::Stopping { .. }));
-                if stops && !self.starts.waits(id) {
-                    // What was driven before is stopped first.
-                    self.stop_begins(now, |other| *other == id);
-                } else if !stops {
-                    self.liveness.asked(|other| *other == id);
-                }
-                self.operator.stands(now, id, setpoint);
-                self.motion.asked(|other| *other == id);
-                self.bounds.on_command(id, consent);
-                self.starts.asked(now, id, setpoint);
-            }
+            } => self.starts(now, id, setpoint, consent, bus),
+            Command::Adjust {
+                id,
+                setpoint,
+                consent,
+            } if self.starts.waits(id) => self.starts(now, id, setpoint, consent, bus),
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
                 self.liveness.asked(|other| *other == id);
                 self.motion.asked(|other| *other == id);
@@ -195,6 +186,9 @@ impl Rules {
             }
             Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
                 self.liveness.asked(|id| may_obey(&frame, *id));
+                let motors = world.motors().map(VirtualMotor::id);
+                self.liveness
+                    .sent_by_hand(motors.filter(|id| may_obey(&frame, *id)));
                 self.motion.asked(|id| may_obey(&frame, *id));
             }
             // Where a wheel will be is not known without its speed.
@@ -205,6 +199,30 @@ impl Rules {
             }
             _ => {}
         }
+    }
+
+    /// A person started this motor, or changed the setpoint that waits for its stop or its switch.
+    fn starts(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        setpoint: Setpoint,
+        consent: Consent,
+        bus: &Bus,
+    ) {
+        let mut motors = bus.motors(now).filter(|status| status.id == id);
+        let activity = motors.next().map(|status| status.activity);
+        let stops = matches!(activity, Some(Activity::Stopping { .. }));
+        if stops && !self.starts.waits(id) {
+            // What was driven before is stopped first.
+            self.stop_begins(now, |other| *other == id);
+        } else if !stops {
+            self.liveness.asked(|other| *other == id);
+        }
+        self.operator.stands(now, id, setpoint);
+        self.motion.asked(|other| *other == id);
+        self.bounds.on_command(id, consent);
+        self.starts.asked(now, id, setpoint);
     }
 
     /// These motors were stopped: any motion from now on is unwanted.
@@ -321,6 +339,8 @@ impl Rules {
     /// A port is open again.
     pub(crate) fn port_opened(&mut self, now: Instant, world: &World) {
         self.liveness.port_opened(now, world);
+        // What an adapter held meanwhile arrives now.
+        self.invented.on_absence(now);
         self.asked.excused(now);
     }
 
@@ -437,6 +457,12 @@ impl Rules {
                     self.judge(rule);
                 }
                 self.confirmed_stand(now, report, world)?;
+                self.operator.stopped(report);
+                // A stop that joined one whose last brake was on its way.
+                let confirmed = report.motors.iter().filter(|outcome| outcome.confirmed);
+                for outcome in confirmed {
+                    self.stops.remove(&outcome.id);
+                }
                 return self.names_all(now, report);
             }
             Event::Withdrawn { id, reason } => {

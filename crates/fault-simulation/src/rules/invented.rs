@@ -27,7 +27,7 @@ const SAID_MAX: usize = 1_024;
 pub(super) struct Invented {
     model: Model,
     said: VecDeque<(Instant, Frame)>,
-    /// When the bus was last called after a while: what was said before it may be of any age.
+    /// When the port opened, or the bus was last called after a while: what was said before may be of any age.
     absent_until: Option<Instant>,
 }
 

@@ -38,6 +38,8 @@ pub(super) struct Liveness {
     /// Motors that turned or were driven when a dead line passed frames again, with that time, until an ended stop names
     /// them.
     back: BTreeMap<MotorId, Instant>,
+    /// Motors that a person has moved by a raw frame, and nobody has stopped since.
+    moved_by_hand: BTreeSet<MotorId>,
 }
 
 impl Liveness {
@@ -58,6 +60,7 @@ impl Liveness {
         self.unbraked.clear();
         self.left_driven.clear();
         self.back.clear();
+        self.moved_by_hand.clear();
         self.stop_began = None;
     }
 
@@ -75,7 +78,8 @@ impl Liveness {
                 .motor(status.id)
                 .is_some_and(|motor| is_moved(motor) && !is_at_rest(motor));
             let is_let_go = matches!(status.activity, Activity::Idle | Activity::Stopping { .. });
-            if is_moved && is_let_go && status.may_turn {
+            let has_missed_a_stop = status.may_turn && !self.moved_by_hand.contains(&status.id);
+            if is_moved && is_let_go && has_missed_a_stop {
                 self.back.insert(status.id, now);
             }
         }
@@ -106,6 +110,12 @@ impl Liveness {
     /// here until a frame goes out: the page may crash before.
     pub(super) fn asked(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
         self.unbraked.retain(|id, _| !is_asked(id));
+        self.moved_by_hand.retain(|id| !is_asked(id));
+    }
+
+    /// A person sends a raw frame that may move these motors.
+    pub(super) fn sent_by_hand(&mut self, may_move: impl Iterator<Item = MotorId>) {
+        self.moved_by_hand.extend(may_move);
     }
 
     /// A stop has ended. Returns the rules that were applied.
@@ -122,6 +132,7 @@ impl Liveness {
         for outcome in &report.motors {
             self.unbraked.remove(&outcome.id);
             self.unknown.remove(&outcome.id);
+            self.moved_by_hand.remove(&outcome.id);
             if self.left_driven.remove(&outcome.id) {
                 judged.push(Rule::StoppedAfterALoss);
             }

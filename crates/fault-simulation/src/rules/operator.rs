@@ -7,7 +7,7 @@ use std::{
 
 use motorlink_bus::{
     Activity, Bus, Command, Consent, Event, Limits, LineEventKind, MotorStatus, OVERCURRENT_FOR,
-    Refusal, Sample, is_hazardous,
+    Refusal, Sample, StopReport, is_hazardous,
 };
 use motorlink_protocol::{
     Detail, Frame, Instant, Mode, MotorId, Setpoint,
@@ -47,7 +47,14 @@ struct Reported {
     asked: u32,
     overcurrent_since: Option<Instant>,
     /// The limit that it exceeded, and when the report arrived.
-    exceeded: Option<(Instant, &'static str)>,
+    exceeded: Option<(Instant, Limit)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Limit {
+    Speed,
+    Current,
+    Temperature,
 }
 
 /// Inputs of the operator and the page.
@@ -127,6 +134,19 @@ impl Operator {
         }
         self.standing.insert(id, Standing { setpoint, since });
         self.withdrawn_by_gap.remove(&id);
+    }
+
+    /// What is started after a confirmed stop begins at rest. Its motor may still be hot.
+    pub(super) fn stopped(&mut self, report: &StopReport) {
+        for outcome in report.motors.iter().filter(|outcome| outcome.confirmed) {
+            if let Some(reported) = self.reported.get_mut(&outcome.id)
+                && reported
+                    .exceeded
+                    .is_some_and(|(_, limit)| limit != Limit::Temperature)
+            {
+                reported.exceeded = None;
+            }
+        }
     }
 
     /// No call reached the bus for a while: the motors had nothing to answer. Their silence counts from now on.
@@ -215,7 +235,7 @@ impl Operator {
         }
         // A frame of the same moment may have been sent before the reply arrived.
         if let Some((_, limit)) = reported.exceeded.filter(|(received, _)| *received < now) {
-            let what = format!("{id} is driven beyond its limit of {limit}");
+            let what = format!("{id} is driven beyond its limit: {limit:?}");
             return broken(Rule::LimitsHold, now, what);
         }
         Ok(())
@@ -380,7 +400,7 @@ impl Operator {
         if let Some(speed) = reply.speed
             && speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM
         {
-            reported.exceeded = reported.exceeded.or(Some((*at, "speed")));
+            reported.exceeded = reported.exceeded.or(Some((*at, Limit::Speed)));
         }
         let excess = reply.current.map(|current| {
             current.amps().abs() * 1_000.0 >= f32::from(self.limits.current_ma()) + 1.0
@@ -390,13 +410,13 @@ impl Operator {
         } else if excess == Some(true) {
             let since = *reported.overcurrent_since.get_or_insert(*at);
             if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
-                reported.exceeded = reported.exceeded.or(Some((*at, "current")));
+                reported.exceeded = reported.exceeded.or(Some((*at, Limit::Current)));
             }
         }
         if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail
             && u16::from(temperature.degrees()) > self.limits.temperature_c()
         {
-            reported.exceeded = reported.exceeded.or(Some((*at, "temperature")));
+            reported.exceeded = reported.exceeded.or(Some((*at, Limit::Temperature)));
         }
     }
 }
