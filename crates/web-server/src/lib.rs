@@ -18,6 +18,7 @@
 //! # std::io::Result::Ok(())
 //! ```
 
+pub mod compression;
 mod files;
 mod server;
 

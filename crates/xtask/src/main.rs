@@ -10,7 +10,6 @@ mod cargo;
 mod check;
 mod claims;
 mod command_line;
-mod compression;
 mod content_hash;
 mod experiments;
 mod failure;

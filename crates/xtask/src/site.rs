@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use motorlink_i18n::Language;
+use motorlink_web_server::compression;
 
 use crate::bindgen::{self, PAGE, Programs, files_below};
-use crate::compression;
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
 use crate::service_worker::{self, is_for_installing};

@@ -1,20 +1,27 @@
 //! Compression as the hosts of the site do it.
+//!
+//! It is in this crate because the code of `brotli` is generic: the crate that uses it has to be optimised.
 
-use std::io::Write;
+use std::io::{self, Write};
 
-use anyhow::Result;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
 /// Compresses at the level that servers use by default, not at the best one.
-pub fn gzip(content: &[u8]) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// None: a `Vec` takes every byte.
+pub fn gzip(content: &[u8]) -> io::Result<Vec<u8>> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(content)?;
-    Ok(encoder.finish()?)
+    encoder.finish()
 }
 
 /// Compresses as far as brotli can: the files are compressed once, when they are built.
-pub fn brotli(content: &[u8]) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// None: a `Vec` takes every byte.
+pub fn brotli(content: &[u8]) -> io::Result<Vec<u8>> {
     let mut compressed = Vec::new();
     let params = brotli::enc::BrotliEncoderParams::default();
     brotli::BrotliCompress(&mut &*content, &mut compressed, &params)?;
