@@ -20,6 +20,14 @@ const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
 /// The page is checked for the browser, where it runs.
 const NO_PAGE: [&str; 2] = ["--exclude", "motorlink"];
 
+/// Nobody reads the documentation of these, and their many dependencies would be compiled for it alone.
+const NO_TEST_PROGRAMS: [&str; 4] = [
+    "--exclude",
+    "motorlink-fuzz-checks",
+    "--exclude",
+    "end-to-end",
+];
+
 /// Every check, in order.
 pub static SUITE: Suite = Suite {
     name: "check",
@@ -105,11 +113,8 @@ pub static SUITE: Suite = Suite {
             beside: None,
             on_request: false,
             run: |workspace| {
-                strict_doc(cargo::native(
-                    workspace,
-                    "doc",
-                    &[&["--no-deps"], &NO_PAGE[..]].concat(),
-                ))?;
+                let args = [&["--no-deps"], &NO_PAGE[..], &NO_TEST_PROGRAMS].concat();
+                strict_doc(cargo::native(workspace, "doc", &args))?;
                 strict_doc(cargo::wasm(workspace, "doc", &["--no-deps"])?)
             },
         },
