@@ -1,7 +1,4 @@
 //! CSV files, parsed again.
-#![cfg(test)]
-
-mod line;
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, Row, Window};
@@ -9,7 +6,7 @@ use motorlink_protocol::{Faults, Frame, Instant, Layout, Mode, family::Model};
 use motorlink_recorder::{CsvFile, Log, REPLY, Recording, spelled_out, unmarked};
 use proptest::prelude::*;
 
-use line::{ALWAYS, at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
+use crate::line::{ALWAYS, at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
 
 /// A complete file, written in slices of this many lines.
 fn whole(mut file: CsvFile, log: &Log, recording: &Recording, slice: u64) -> (String, u64) {

@@ -1,13 +1,10 @@
 //! Filters of the log.
-#![cfg(test)]
-
-mod line;
 
 use motorlink_messages::recorder::{Filter, Kind, Window};
 use motorlink_protocol::{Instant, Request, Setpoint, SpeedTarget};
 use motorlink_recorder::Log;
 
-use line::{
+use crate::line::{
     at, by_hand, collapsed, drive, driven, finish, id, junk, log, meanings, newest, of_kind, query,
     reply, silence, text,
 };

@@ -1,7 +1,4 @@
 //! Python's csv module, pandas and LibreOffice read the exported files.
-#![cfg(test)]
-
-mod line;
 
 use std::{
     env,
@@ -15,7 +12,7 @@ use motorlink_bus::LineEvent;
 use motorlink_protocol::{Frame, Instant, Layout};
 use motorlink_recorder::{CsvFile, Log, Recording};
 
-use line::{ALWAYS, at, drive, heard, junk, log, query, silence};
+use crate::line::{ALWAYS, at, drive, heard, junk, log, query, silence};
 
 const NEEDS: &str =
     "needs other programs: cargo xtask test --only csv-readers, or csv-in-libreoffice";

@@ -1,13 +1,10 @@
 //! Which entries the log has, which it drops, and their order.
-#![cfg(test)]
-
-mod line;
 
 use motorlink_messages::recorder::{Kind, Row, Window};
 use motorlink_protocol::Instant;
 use motorlink_recorder::{ENTRIES_MAX, Log};
 
-use line::{at, drive, driven, junk, log, newest, query, silence};
+use crate::line::{at, drive, driven, junk, log, newest, query, silence};
 
 fn millis(at: u64) -> Instant {
     Instant::from_millis(at)

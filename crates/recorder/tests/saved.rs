@@ -1,10 +1,6 @@
 //! A session that is saved, and restored into another recorder.
-#![cfg(test)]
 
-#[path = "saved/fixture.rs"]
 mod fixture;
-mod line;
-#[path = "saved/properties.rs"]
 mod properties;
 
 use std::time::Duration;
@@ -21,8 +17,8 @@ use motorlink_recorder::{
     saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream},
 };
 
+use crate::line::{at, heard, reply};
 use fixture::{Disk, EPOCH_MS, LATER_MS, Page, restored, summary};
-use line::{at, heard, reply};
 
 #[test]
 fn a_session_comes_back_as_it_was() {
@@ -221,7 +217,7 @@ fn restored_rows_have_the_local_time_of_their_moment() {
         .set_local_time(local_time(begins_ms, begun_ms + 120_000));
     page.pass(300);
     page.told.clear();
-    page.handle(ToRecorder::Show(line::ALL));
+    page.handle(ToRecorder::Show(crate::line::ALL));
     let rows = page.told.iter().find_map(|told| match told {
         FromRecorder::Log(page) => Some(&page.rows),
         _ => None,

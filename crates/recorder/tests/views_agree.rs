@@ -1,14 +1,13 @@
 //! A view that was updated entry by entry equals a new view.
-#![cfg(test)]
-
-mod line;
 
 use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
 use motorlink_protocol::Instant;
 use motorlink_recorder::Log;
 use proptest::prelude::*;
 
-use line::{ALL, at, collapsed, drive, finish, id, log, of_kind, query, reply, silence, text};
+use crate::line::{
+    ALL, at, collapsed, drive, finish, id, log, of_kind, query, reply, silence, text,
+};
 
 fn millis(at: u64) -> Instant {
     Instant::from_millis(at)

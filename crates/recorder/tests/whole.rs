@@ -1,7 +1,4 @@
 //! The recorder as the worker runs it: messages in, messages and files out.
-#![cfg(test)]
-
-mod line;
 
 use std::time::Duration;
 
@@ -11,7 +8,7 @@ use motorlink_messages::recorder::{
 use motorlink_protocol::Instant;
 use motorlink_recorder::{Log, Output, Recorder, Recording, WallClock};
 
-use line::{ALL, at, collapsed, driven, query, reply};
+use crate::line::{ALL, at, collapsed, driven, query, reply};
 
 /// The recorder and its caller.
 struct Caller {

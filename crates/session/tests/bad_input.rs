@@ -1,14 +1,11 @@
 //! Files that are cut, damaged, or something else: what can be read is given, and never a panic, a hang or a huge
 //! allocation.
-#![cfg(test)]
-
-mod sample;
 
 use std::{collections::BTreeMap, convert::Infallible, ops::Range};
 
 use motorlink_session::{NotASession, Problem, Record, Source, open};
 
-use sample::{file_of, read, read_file, records};
+use crate::sample::{file_of, read, read_file, records};
 
 /// Whether these are some of those, in their order.
 fn is_subsequence(some: &[Record], all: &[Record]) -> bool {

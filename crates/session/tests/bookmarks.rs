@@ -1,7 +1,4 @@
 //! A copy with bookmarks has them, and everything else of the file.
-#![cfg(test)]
-
-mod sample;
 
 use std::collections::BTreeMap;
 
@@ -11,7 +8,7 @@ use motorlink_session::{
 };
 use proptest::prelude::*;
 
-use sample::{SETUP, file_of, read_file, records};
+use crate::sample::{SETUP, file_of, read_file, records};
 
 fn copied(file: &[u8], bookmarks: &[Bookmark]) -> Vec<u8> {
     let mut source = file;

@@ -1,13 +1,10 @@
 //! The official readers, of Python and of Foxglove, read every message, and each is valid by its schema.
-#![cfg(test)]
-
-mod sample;
 
 use std::{env, ffi::OsStr, fs, process::Command};
 
+use crate::sample::{file_about, lines, records};
 use motorlink_messages::{Connection, Update, sessions::Bookmark};
 use motorlink_session::{Record, What, copy, open, overview};
-use sample::{file_about, lines, records};
 
 /// The records, with what the page showed behind the first.
 fn with_states() -> Vec<Record> {

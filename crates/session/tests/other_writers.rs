@@ -1,13 +1,10 @@
 //! Files of other writers and of a crash: without chunks, without an index, cut, with records that no version knows. Every
 //! entry of them is read, and is in a copy.
-#![cfg(test)]
-
-mod sample;
 
 use motorlink_messages::sessions::Bookmark;
 use motorlink_session::{EventKind, Problem, Record, What, copy, open, overview};
 
-use sample::{file_of, read_file, records};
+use crate::sample::{file_of, read_file, records};
 
 /// The sample, written by the official crate with these options, and with a record of another program in the middle.
 fn written(options: mcap::WriteOptions) -> Vec<u8> {

@@ -1,7 +1,4 @@
 //! What was written is read: by this crate, and by the official one.
-#![cfg(test)]
-
-mod sample;
 
 use std::collections::BTreeMap;
 
@@ -10,7 +7,7 @@ use motorlink_session::{
     About, Cursor, Next, Overview, Problems, Session, Table, Writer, open, overview, report,
 };
 
-use sample::{SETUP, ZERO_US, file_of, lines, read, read_file, records, without_derived};
+use crate::sample::{SETUP, ZERO_US, file_of, lines, read, read_file, records, without_derived};
 
 #[test]
 fn every_record_is_read_as_it_was_written() {

@@ -1,15 +1,12 @@
 //! The runs of experiments in a session file.
-#![cfg(test)]
 
-mod sample;
-
+use crate::sample::{ZERO_US, file_of, records, run};
 use motorlink_messages::experiments::{
     kept::{Outcome, RunHeader},
     runner::{End, Sample, SentSetpoint},
 };
 use motorlink_protocol::Instant;
 use motorlink_session::{Event, EventKind, Problem, RunEvents, Session, Source, Writer, open};
-use sample::{ZERO_US, file_of, records, run};
 
 #[test]
 fn a_run_comes_out_of_a_file_as_it_went_in() {

@@ -40,12 +40,12 @@ const FIGURES: Environment = Environment {
     packages: &["control==0.10.2", "numpy==2.2.6", "scipy==1.15.3"],
 };
 
-const CSV_TESTS: &str = "other_readers";
+const CSV_TESTS: &str = "recorder";
 
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
 pub fn read_session(workspace: &Workspace) -> Result<()> {
     let foxglove = npm::MCAP_OF_FOXGLOVE.folder()?;
-    let mut test = ignored_tests(workspace, "official_readers", &SESSION_READERS)?;
+    let mut test = ignored_tests(workspace, "session", &SESSION_READERS)?;
     process::run(test.env("MOTORLINK_FOXGLOVE", foxglove))
 }
 

@@ -1,5 +1,4 @@
 //! Line events for the tests of the recorder.
-#![allow(dead_code, reason = "not every story needs all of it")]
 
 use std::ops::Range;
 

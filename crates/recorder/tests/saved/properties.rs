@@ -3,7 +3,7 @@
 use motorlink_messages::recorder::{Export, ToRecorder};
 use proptest::prelude::*;
 
-use crate::fixture::{EPOCH_MS, LATER_MS, Page, restored};
+use super::fixture::{EPOCH_MS, LATER_MS, Page, restored};
 
 /// A random step.
 #[derive(Clone, Debug)]

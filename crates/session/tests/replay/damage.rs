@@ -6,7 +6,7 @@ use motorlink_messages::sessions::ToReplay;
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_session::{LookBack, Record, Writer, for_each_record, open};
 
-use crate::{
+use super::{
     driver::Replay,
     live::{ZERO_US, ms},
     random::{Dice, session},

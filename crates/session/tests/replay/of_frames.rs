@@ -4,7 +4,7 @@ use motorlink_bus::{Activity, Command, LineEvent, LineEventKind, StopReason};
 use motorlink_protocol::{Instant, Layout, Mode, family::Model};
 use motorlink_session::{What, Writer, for_each_record, open};
 
-use crate::{
+use super::{
     driver::Replay,
     live::{Live, ZERO_US, id, ms, rpm},
 };

@@ -6,7 +6,7 @@ use motorlink_messages::{
 };
 use motorlink_protocol::family::Model;
 
-use crate::{
+use super::{
     driver::Replay,
     live::{Live, ms, rpm},
 };

@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_messages::sessions::{FromReplay, PlaySpeed, ToReplay};
 use motorlink_protocol::family::Model;
 
-use crate::{
+use super::{
     driver::{Replay, updates},
     live::{Live, ms, rpm},
 };

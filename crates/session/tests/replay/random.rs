@@ -5,7 +5,7 @@ use motorlink_messages::Update;
 use motorlink_protocol::family::Model;
 use motorlink_simulator::{Echo, WireFaults};
 
-use crate::live::{Live, amps, degrees, id, ms, rpm};
+use super::live::{Live, amps, degrees, id, ms, rpm};
 
 /// Marsaglia's xorshift: the same seed gives the same session.
 pub struct Dice(u64);

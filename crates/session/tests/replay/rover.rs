@@ -7,7 +7,7 @@ use motorlink_protocol::family::Model;
 use motorlink_session::{for_each_record, open};
 use nojson::RawJson;
 
-use crate::live::{Live, id, ms, rpm};
+use super::live::{Live, id, ms, rpm};
 
 /// Motor 1 on the left, motor 2 mounted mirrored on the right.
 fn rover() -> String {

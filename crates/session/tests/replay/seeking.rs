@@ -14,7 +14,7 @@ use motorlink_protocol::{Instant, family::Model};
 use motorlink_session::LookBack;
 use proptest::prelude::*;
 
-use crate::{
+use super::{
     driver::{Replay, updates},
     live::{Live, id, ms, rpm},
     random::session,

@@ -13,7 +13,7 @@ use motorlink_messages::{
 use motorlink_protocol::{Instant, Request, family::Model};
 use motorlink_session::Writer;
 
-use crate::{
+use super::{
     driver::{Replay, updates},
     live::{Live, ZERO_US, id, ms},
     random::Dice,

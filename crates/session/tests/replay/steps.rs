@@ -3,7 +3,7 @@
 use motorlink_messages::{Update, sessions::ToReplay};
 use motorlink_protocol::family::Model;
 
-use crate::{
+use super::{
     driver::{Replay, updates},
     live::{Live, ms, rpm},
 };

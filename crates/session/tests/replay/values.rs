@@ -9,7 +9,7 @@ use motorlink_session::{Record, Table, What, for_each_record, open};
 use motorlink_simulator::WorldConfig;
 use nojson::RawJson;
 
-use crate::live::{Live, amps, degrees, id, ms, rpm};
+use super::live::{Live, amps, degrees, id, ms, rpm};
 
 /// A message of `/motors/1/telemetry`.
 struct Message(String);

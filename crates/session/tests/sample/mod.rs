@@ -1,5 +1,4 @@
 //! A small session with everything in it, for tests.
-#![allow(dead_code, reason = "not every test needs all of it")]
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind, StopOutcome};
 use motorlink_messages::experiments::{

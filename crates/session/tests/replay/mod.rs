@@ -1,5 +1,4 @@
 //! The replay of a session: against the live line, at any place, at any speed, and of damaged files.
-#![cfg(test)]
 
 mod damage;
 mod driver;
