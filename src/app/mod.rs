@@ -37,7 +37,7 @@ use crate::{
     features::install,
     link::worker_link::{WorkerLink, WorkerState},
     model::{
-        graph_height,
+        dock,
         notice_texts::of_dead_worker,
         preferences::{Preferences, Theme},
     },
@@ -76,7 +76,7 @@ pub fn App() -> impl IntoView {
     provide_context(page);
     features.connect.connect_as_addressed();
     effect(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
-    graph_height::show_remembered();
+    dock::show_remembered();
 
     // First of all: a stop that is pressed before the worker runs takes effect once it runs.
     keyboard::listen(features);

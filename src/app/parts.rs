@@ -21,6 +21,7 @@ use crate::{
     },
     features::{
         connect::panel::VirtualMotorsPanel,
+        dock::Dock,
         drive::{current::CurrentTab, open_loop::OpenLoopTab, position::PositionTab},
         experiments::{panel::ExperimentsPanel, state::Experiments},
         graph::Graph,
@@ -131,8 +132,13 @@ in_part!(desk: fn mount_desk(hosts, features) [
         hosts.mount(move || view! { <RoverPanel rover /> })
     },
     hosts.mount(move || notices(features)),
+    hosts.mount(move || {
+        view! {
+            <Dock />
+            <Graph chart=features.chart />
+        }
+    }),
     hosts.mount(move || view! { <PacketLog log=features.log /> }),
-    hosts.mount(move || view! { <Graph chart=features.chart /> }),
     {
         let incoming = Incoming::of_page(&hosts.owner);
         hosts.mount(move || {

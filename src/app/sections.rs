@@ -133,11 +133,11 @@ pub(crate) const SECTIONS: [(Area, Section); 25] = [
     ),
     (
         Area::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel packet-log", |_| true)),
+        Section::Later(Part::Desk, Frame::Panel("panel graph-panel", |_| true)),
     ),
     (
         Area::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel graph-panel", |_| true)),
+        Section::Later(Part::Desk, Frame::Panel("panel packet-log", |_| true)),
     ),
     (
         Area::Desk,

@@ -3,6 +3,7 @@
 //! No feature imports another; what several of them need is in [`crate::model`].
 
 pub(crate) mod connect;
+pub(crate) mod dock;
 pub(crate) mod drive;
 pub(crate) mod experiments;
 pub mod graph;

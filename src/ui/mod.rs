@@ -18,6 +18,7 @@ pub(crate) mod mathematics;
 pub(crate) mod number_field;
 pub(crate) mod panel;
 pub(crate) mod reactive;
+pub(crate) mod size_watch;
 pub(crate) mod slider;
 pub(crate) mod tab_panel;
 pub(crate) mod target;

@@ -4,6 +4,7 @@
 
 mod bench;
 mod contract;
+mod dock;
 mod experiments;
 mod fake_recorder;
 mod fake_sessions;

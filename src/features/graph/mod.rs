@@ -9,7 +9,6 @@
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
 //! | `legend` | the traces and the compared motors, with their values |
 //! | `kept` | a run that is kept, to compare another one with it |
-//! | `resize` | the height, dragged at the edge |
 //! | `reading` | what the crosshair reads |
 //! | `overlay` | the line of the crosshair, and the texts of the values |
 //! | `description` | the values in words |
@@ -31,7 +30,6 @@ pub(crate) mod picture;
 pub mod plot;
 pub(crate) mod pointer;
 pub(crate) mod reading;
-pub(crate) mod resize;
 pub(crate) mod stage;
 pub(crate) mod state;
 pub(crate) mod text;
@@ -43,9 +41,7 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
-use self::{
-    controls::Controls, kept::controls::KeptRun, legend::LegendPanel, resize::Edge, state::Chart,
-};
+use self::{controls::Controls, kept::controls::KeptRun, legend::LegendPanel, state::Chart};
 use crate::{
     features::graph::{plot::texts, stage::StageCell},
     ui::reactive::{dynamic, handler, memo},
@@ -80,7 +76,6 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
             class:expanded=dynamic(move || chart.expanded.get())
             aria-label=tr!("Speed and current")
         >
-            <Edge />
             <Controls chart stage />
             <KeptRun chart />
             <div class="graph-box" node_ref=place>

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
-use wasm_bindgen::{JsCast, prelude::Closure};
-use web_sys::{Element, HtmlButtonElement, HtmlElement, ResizeObserver};
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlButtonElement, HtmlElement};
 
 use crate::{
     features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
@@ -16,6 +16,7 @@ use crate::{
         clock::page_now_ms,
         format::grouped,
         reactive::{dynamic, effect, handler, memo},
+        size_watch::SizeWatch,
     },
 };
 
@@ -41,7 +42,11 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
         let scroller: HtmlElement = scroller.into();
         // The view may be from an earlier list.
         log.feed.update_value(|feed| feed.view.mounted());
-        size.set_value(SizeWatch::of(&scroller, log));
+        // The log is told of the size, now and after changes.
+        let watched = scroller.clone();
+        size.set_value(SizeWatch::of(&scroller, move || {
+            log.scrolled(&watched);
+        }));
         let mut painter = Painter::new(scroller, extent.into(), rows.into());
         let running = Frames::new(move |_| {
             let idle_ms = page_now_ms() - touched_ms.try_get_value().unwrap_or_default();
@@ -142,31 +147,4 @@ fn pressed_row(event: &web_sys::MouseEvent) -> Option<u64> {
 fn toggled_row(event: &web_sys::MouseEvent) -> Option<u64> {
     let button = event.target()?.dyn_into::<HtmlButtonElement>().ok()?;
     button.value().parse().ok()
-}
-
-/// Reports the size of the list to the log, now and after changes.
-struct SizeWatch {
-    observer: ResizeObserver,
-    _on_size: Closure<dyn FnMut()>,
-}
-
-impl SizeWatch {
-    fn of(scroller: &HtmlElement, log: Log) -> Option<Self> {
-        let watched = scroller.clone();
-        let on_size = Closure::<dyn FnMut()>::new(move || {
-            log.scrolled(&watched);
-        });
-        let observer = ResizeObserver::new(on_size.as_ref().unchecked_ref()).ok()?;
-        observer.observe(scroller);
-        Some(Self {
-            observer,
-            _on_size: on_size,
-        })
-    }
-}
-
-impl Drop for SizeWatch {
-    fn drop(&mut self) {
-        self.observer.disconnect();
-    }
 }

@@ -4,8 +4,8 @@ use anyhow::Result;
 use end_to_end::{Line, View, WAIT_MAX, wait_until};
 
 use crate::fixture::{
-    Scenario, assert_quiet_console,
-    places::{LAPTOP, Place, STOP, WIDE, all_in_sight, in_sight, look},
+    Scenario,
+    places::{Place, STOP, all_in_sight, in_sight, look},
     spin,
 };
 
@@ -57,52 +57,4 @@ fn the_graph_is_large_and_its_values_lie_beside_the_curve() -> Result<()> {
     page.click("button", "Shrink")?;
     assert_eq!(in_sight(page, view, "img", "Speed and current")?, graph);
     Ok(())
-}
-
-#[test]
-fn the_graph_is_resized_at_its_edge_and_stays_so() -> Result<()> {
-    let scenario = Scenario::connected(Line::default())?;
-    let page = &scenario.page;
-    page.click("button", "Skip the tour")?;
-    // The page does not scroll: the upper edge is dragged, and the wheel gives the room.
-    look(page, WIDE)?;
-    let graph = || in_sight(page, WIDE, "img", "Speed and current");
-    let before = graph()?;
-    page.find("separator", "Height of the graph")?
-        .drag_down(-60.0)?;
-    let grown = graph()?;
-    assert_near(grown.height(), before.height() + 60.0);
-    assert_near(grown.bottom, before.bottom);
-    page.find("separator", "Height of the graph")?.focus()?;
-    page.press("ArrowDown")?;
-    assert_near(graph()?.height(), before.height() + 40.0);
-    // No control goes out of sight, however far it is dragged.
-    page.find("separator", "Height of the graph")?
-        .drag_down(-600.0)?;
-    assert!(graph()?.height() > grown.height());
-    all_in_sight(page, WIDE, &[STOP, ("button", "Start"), ("button", "+100")])?;
-    page.find("separator", "Height of the graph")?
-        .drag_down(40.0)?;
-    let chosen = graph()?;
-
-    page.reload()?;
-    let reloaded = wait_until("the graph", WAIT_MAX, || {
-        Ok(graph().map_err(|error| error.to_string()))
-    })?;
-    assert_eq!(reloaded, chosen);
-
-    // The page scrolls: it is the lower edge.
-    look(page, LAPTOP)?;
-    let edge = page.find("separator", "Height of the graph")?;
-    let before = Place::of(&page.find_like("img", "Speed and current")?)?.height();
-    edge.drag_down(30.0)?;
-    let after = Place::of(&page.find_like("img", "Speed and current")?)?.height();
-    assert_near(after, before + 30.0);
-    assert_quiet_console(page);
-    Ok(())
-}
-
-/// To half a pixel.
-fn assert_near(actual: f64, expected: f64) {
-    assert!((actual - expected).abs() < 0.5, "{actual}, not {expected}");
 }

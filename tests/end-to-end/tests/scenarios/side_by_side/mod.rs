@@ -6,6 +6,7 @@ mod bad_lines;
 mod busy_ports;
 mod clipping;
 mod desk;
+mod dock;
 mod driving;
 mod exports;
 mod graph_size;

@@ -2,9 +2,13 @@
 
 use std::{fs, time::Duration};
 
-use crate::fixture::{Scenario, assert_quiet_console, number, spin};
+use crate::fixture::{
+    Scenario, assert_quiet_console, number,
+    places::{LAPTOP, in_sight, look},
+    spin,
+};
 use anyhow::{Context, Result, anyhow, ensure};
-use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
+use end_to_end::{Line, View, WAIT_MAX, now_us, wait_until};
 use motorlink_messages::bus::LineEventKind;
 use motorlink_session::{Record, Session, for_each_record, open};
 
@@ -50,6 +54,10 @@ fn replay(scenario: &Scenario) -> Result<()> {
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.click("button", "Replay")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
+    look(page, LAPTOP)?;
+    let graph = in_sight(page, LAPTOP, "img", "Speed and current")?;
+    assert!(graph.height() >= 160.0, "{graph:?}");
+    look(page, View::DESKTOP)?;
     let from_us = now_us();
     page.click("button", "Play")?;
     page.wait_for_text("output", "Speed", |text| {
