@@ -18,8 +18,10 @@ pub(crate) struct Scale {
     pub(crate) half_tyre: f64,
     /// From the middle to either end of the body.
     pub(crate) nose: f64,
-    /// From the middle to the edge of the picture.
+    /// From the middle to the upper edge of the picture.
     pub(crate) half: f64,
+    /// From the middle to either side, the wheels with their bars included.
+    pub(crate) half_width: f64,
     /// Between the lines of the grid.
     pub(crate) grid: f64,
 }
@@ -36,20 +38,18 @@ impl Scale {
             half_tyre,
             nose,
             half,
+            half_width: geometry.track_mm() / 2.0 + 3.0 * half_tyre,
             grid: if half > 800.0 { 500.0 } else { 100.0 },
         }
     }
 
-    /// The view box: the panel shows more of the ground at the sides.
+    /// The view box: the cards of the wheels lie beside it, and the panel shows the ground below them.
     pub(crate) fn view_box(self) -> String {
-        let half = self.half;
-        format!(
-            "{:.0} {:.0} {:.0} {:.0}",
-            -half,
-            -half,
-            2.0 * half,
-            2.0 * half
-        )
+        let Self {
+            half, half_width, ..
+        } = self;
+        let (width, height) = (2.0 * half_width, 2.0 * half);
+        format!("{:.0} {:.0} {width:.0} {height:.0}", -half_width, -half)
     }
 }
 
@@ -160,7 +160,7 @@ fn draw_wheel(art: &mut String, wheel: &Wheel, place: Place, scale: Scale) {
         -width,
         outside * half_tyre * 1.75,
         outside * half_tyre * 1.4,
-        -outside * half_tyre * 2.8,
+        -outside * half_tyre * 3.6,
         -radius * 0.5,
         wheel.id,
         half_tyre * 0.7,

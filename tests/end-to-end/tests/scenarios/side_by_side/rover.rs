@@ -171,3 +171,40 @@ fn a_wheel_that_loses_power_is_said_at_its_place() -> Result<()> {
         .wait_for_text("output", "Forward", |text| text.starts_with("0.00"))?;
     Ok(())
 }
+
+/// The wheels that a card covers, and the cards that the figures cover.
+const COVERED: &str = "(() => {
+    const boxes = (what) => [...document.querySelectorAll(what)]
+        .filter((element) => element.checkVisibility({ opacityProperty: true }))
+        .map((element) => element.getBoundingClientRect());
+    const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    const cards = boxes('.rover-card');
+    const among = (what) => boxes(what).filter((box) => cards.some((card) => meet(box, card))).length;
+    return [boxes('.rover-tyre').length, among('.rover-tyre'), among('.rover-figure')];
+})()";
+
+#[test]
+fn the_cards_of_the_wheels_cover_no_wheel_and_no_figure() -> Result<()> {
+    let scenario = rover()?;
+    let page = &scenario.page;
+    for (width, height) in [
+        (390, 844),
+        (844, 390),
+        (720, 450),
+        (1024, 768),
+        (1440, 900),
+        (2560, 1440),
+    ] {
+        page.look(View::window(width, height))?;
+        let what = format!("no card over a wheel or a figure at {width} x {height}");
+        wait_until(&what, WAIT_MAX, || {
+            let covered = page.evaluate(COVERED)?;
+            Ok(if covered == serde_json::json!([4, 0, 0]) {
+                Ok(())
+            } else {
+                Err(format!("wheels, covered wheels and figures: {covered}"))
+            })
+        })?;
+    }
+    Ok(())
+}
