@@ -48,8 +48,8 @@ const PARTS: [Part; 18] = [
     // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
-    // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 300 the dock.
-    ("later style", BEHIND, &["later-style-"], 16_400),
+    // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 400 the dock.
+    ("later style", BEHIND, &["later-style-"], 16_600),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
