@@ -291,6 +291,7 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
             class="page"
             class:incomplete=dynamic(move || !assembly.complete.get())
             class:partial=dynamic(move || assembly.partial.get())
+            class:unconnected=dynamic(move || features.page.shows_first_screen())
         >
             <div class="top" node_ref=areas.top></div>
             <div class="above-desk" inert=behind_dialog node_ref=areas.above_desk></div>

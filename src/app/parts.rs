@@ -20,7 +20,7 @@ use crate::{
         replay, rescue,
     },
     features::{
-        connect::panel::VirtualMotorsPanel,
+        connect::{panel::VirtualMotorsPanel, to_try::ToTry},
         dock::Dock,
         drive::{current::CurrentTab, open_loop::OpenLoopTab, position::PositionTab},
         experiments::{panel::ExperimentsPanel, state::Experiments},
@@ -123,8 +123,19 @@ macro_rules! in_part {
 in_part!(desk: fn mount_desk(hosts, features) [
     {
         load_later_texts();
-        hosts.mount(move || view! { <CurrentTab drive=features.drive /> })
+        let incoming = Incoming::of_page(&hosts.owner);
+        hosts.mount(move || {
+            let page = features.page;
+            view! {
+                <ToTry
+                    connect=features.connect
+                    virtual_wire=features.virtual_wire
+                    on_recording=move |file| incoming.take(page, file)
+                />
+            }
+        })
     },
+    hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
     hosts.mount(move || view! { <OpenLoopTab drive=features.drive /> }),
     {

@@ -14,6 +14,7 @@ use crate::{
         parts::Part,
     },
     features::{
+        connect::first_screen::FirstScreen,
         drive::{ControlPanel, velocity::VelocityTab},
         stop::dialog::StoppedDialog,
         telemetry::{Telemetry, twin::panel::WheelPanel},
@@ -64,7 +65,7 @@ const fn in_place(class: &'static str, is_open: fn(Page) -> bool) -> (Area, Sect
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Area, Section); 25] = [
+pub(crate) const SECTIONS: [(Area, Section); 27] = [
     (
         Area::Top,
         Section::Now(|place, features| {
@@ -74,6 +75,17 @@ pub(crate) const SECTIONS: [(Area, Section); 25] = [
             })
         }),
     ),
+    // Right behind the header, because it can be used before the rest is there.
+    (
+        Area::Desk,
+        Section::Now(|place, features| {
+            mount(
+                &place,
+                move || view! { <FirstScreen connect=features.connect /> },
+            )
+        }),
+    ),
+    (Area::Desk, Section::Later(Part::Desk, Frame::Nothing)),
     (
         Area::Desk,
         Section::Now(|place, _| mount(&place, ControlPanel)),

@@ -32,8 +32,8 @@ fn failed_briefly(error: ConnectError) -> &'static str {
         ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
         ConnectError::PortGone => tr!("The port is gone: press Other port"),
         ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
-        ConnectError::AlreadyOpen => tr!("Already open: press Disconnect, then Connect"),
-        ConnectError::Other => tr!("Replug the adapter, then press Connect"),
+        ConnectError::AlreadyOpen => tr!("Already open: press Disconnect, then Connect motor"),
+        ConnectError::Other => tr!("Replug the adapter, then press Connect motor"),
         ConnectError::OtherTab => tr!("Another MotorLink tab uses this adapter"),
         ConnectError::Forbidden => tr!("The browser blocks serial ports for this page"),
     }
@@ -50,7 +50,7 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
         ConnectError::PortGone => port(
             tr!("The port is no longer available"),
             &[tr!(
-                "Plug in the adapter, then press Connect or Other port."
+                "Plug in the adapter, then press Connect motor or Other port."
             )],
         )
         .explained_at(HelpTopic::NoPortInList),
@@ -79,18 +79,18 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
         ),
         ConnectError::AlreadyOpen => port(
             tr!("The port is already open"),
-            &[tr!("Press Disconnect, then Connect.")],
+            &[tr!("Press Disconnect, then Connect motor.")],
         ),
         ConnectError::Other => port(
             tr!("The browser could not open the port"),
             &[tr!(
-                "Unplug the adapter, plug it back in and press Connect."
+                "Unplug the adapter, plug it back in and press Connect motor."
             )],
         ),
         ConnectError::OtherTab => port(
             tr!("Another MotorLink tab uses this adapter"),
             &[tr!(
-                "Press Disconnect in that tab or close it, then press Connect here."
+                "Press Disconnect in that tab or close it, then press Connect motor here."
             )],
         ),
         ConnectError::Forbidden => of_pick_trouble(PickTrouble::Forbidden),

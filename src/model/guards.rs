@@ -52,7 +52,7 @@ fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
         Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
         Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
-            Some(tr!("Not connected. Press Connect or Virtual motor."))
+            Some(tr!("Not connected. Press Connect motor or Virtual motor."))
         }
         Connection::Connecting => Some(tr!("Opening the port.")),
         Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it back in.")),

@@ -76,7 +76,7 @@ fn of_notice(notice: &Notice) -> Option<NoticeText> {
 }
 
 fn choose_another_port() -> &'static str {
-    tr!("Another adapter? Press Disconnect, then Connect, and choose its port.")
+    tr!("Another adapter? Press Disconnect, then Connect motor, and choose its port.")
 }
 
 fn of_line_error(error: LineError, count: u32) -> NoticeText {

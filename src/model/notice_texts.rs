@@ -39,7 +39,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             Topic::Command,
             Tone::Calm,
             tr!("Not connected"),
-            &[tr!("Press Connect or Virtual motor.")],
+            &[tr!("Press Connect motor or Virtual motor.")],
         ),
         Notice::IdQueryEnded(
             outcome @ (IdQueryOutcome::NoReply

@@ -14,7 +14,7 @@ use std::ops::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::{Language, current_language};
 use motorlink_messages::{
-    Notice, ToWorker,
+    Connection, Notice, ToWorker,
     bus::Repeat,
     protocol::{AssignableId, CurrentTarget, Frame, Mode, MotorId, family::Model},
 };
@@ -141,6 +141,8 @@ pub(crate) struct Worker {
     pub(crate) stopped_early: StoredValue<bool>,
     /// The connection that the user requested before the link was ready.
     pub(crate) connect_early: StoredValue<Option<ToWorker>>,
+    /// Whether the page connects the virtual motors of its address.
+    pub(crate) opens_by_itself: StoredValue<bool>,
     /// When a wheel was started last, on the page's clock.
     pub(crate) started_ms: StoredValue<f64>,
     /// Stops what a failed worker has left driven, once its part is loaded. It gets the last state.
@@ -238,6 +240,7 @@ impl Page {
                 clock: StoredValue::new(Clock::default()),
                 stopped_early: StoredValue::new(false),
                 connect_early: StoredValue::new(None),
+                opens_by_itself: StoredValue::new(false),
                 started_ms: StoredValue::new(f64::NEG_INFINITY),
                 rescue: StoredValue::new_local(None),
             },
@@ -320,6 +323,22 @@ impl Page {
     /// The panel that a button has opened.
     pub(crate) fn panel(self) -> Option<Panel> {
         self.open.get().panel
+    }
+
+    /// Whether no port is open. Not while the page opens one by itself: nothing on the screen moves then.
+    pub(crate) fn has_no_port(self) -> bool {
+        self.shown.with(|session| match session.connection {
+            Connection::Disconnected | Connection::Connecting => {
+                !self.worker.opens_by_itself.get_value()
+            }
+            Connection::Failed(_) => true,
+            Connection::Connected(_) | Connection::Reconnecting(_) => false,
+        })
+    }
+
+    /// Whether the first screen is shown.
+    pub(crate) fn shows_first_screen(self) -> bool {
+        self.place() == Place::Drive && self.has_no_port()
     }
 
     /// Opens a place. It changes nothing that drives.

@@ -163,9 +163,13 @@ impl Bench {
     }
 
     pub fn report(&self, motor: MotorStatus, halted: bool) {
+        self.report_on(Adapter::VIRTUAL, motor, halted);
+    }
+
+    pub fn report_on(&self, adapter: Adapter, motor: MotorStatus, halted: bool) {
         self.post(&ToPage::Update(Update {
             now: now(),
-            connection: Connection::Connected(Adapter::VIRTUAL),
+            connection: Connection::Connected(adapter),
             halted,
             motors: vec![motor],
             job: None,

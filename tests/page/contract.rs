@@ -7,7 +7,7 @@ use crate::bench::Bench;
 
 /// What is there in the place Drive, whichever tab is open.
 const ALWAYS: [(&str, &str); 43] = [
-    ("button", "Connect"),
+    ("button", "Connect motor"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
     ("button", "Virtual motors"),

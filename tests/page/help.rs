@@ -2,7 +2,7 @@
 
 use js_sys::Function;
 use motorlink_messages::{
-    ConnectError, Connection, ToWorker, VirtualLine,
+    Adapter, ConnectError, Connection, ToWorker, VirtualLine,
     bus::{Activity, Command, Consent},
     protocol::{Faults, Mode, MotorId, Rpm, Setpoint, SpeedTarget},
 };
@@ -150,10 +150,16 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
     forget();
     let bench = Bench::new("tour").await;
     let said = || bench.text("status", "First spin");
+    let is_shown = || !bench.find_all("status", "First spin").is_empty();
+    assert!(!is_shown(), "the first screen has its first steps");
+    bench.click("Help");
     bench
-        .until("the tour", || said().contains("Signal plug"))
+        .until("the help", || !bench.find_all("button", "Tour").is_empty())
         .await;
-    assert!(bench.find_all("button", "Spin at 20 rpm").is_empty());
+    bench.click("Tour");
+    bench
+        .until("the tour", || is_shown() && said().contains("Signal plug"))
+        .await;
     bench.click("Go virtual");
     assert!(
         bench
@@ -162,7 +168,8 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
             .contains(&ToWorker::ConnectVirtual(VirtualLine::DEFAULT))
     );
 
-    bench.report(motor(Mode::Velocity, Activity::Idle), false);
+    let real = Adapter::Serial(None);
+    bench.report_on(real, motor(Mode::Velocity, Activity::Idle), false);
     bench
         .until("the wheel to be freed", || said().contains("fasten"))
         .await;
@@ -203,7 +210,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
         },
     );
     turning.speed = turning.speed.map(|(at, _)| (at, Rpm::new(20)));
-    bench.report(turning, false);
+    bench.report_on(real, turning, false);
     bench
         .until("the stop", || {
             !bench.find_all("button", "Stop the wheel").is_empty()
@@ -212,7 +219,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
     bench.click("Stop the wheel");
     assert_eq!(bench.commands().await, [Command::Stop(MotorId::FIRST)]);
     assert_eq!(remembered(), None);
-    bench.report(motor(Mode::Velocity, Activity::Idle), false);
+    bench.report_on(real, motor(Mode::Velocity, Activity::Idle), false);
     bench
         .until("the end", || {
             !bench.find_all("button", "End the tour").is_empty()
@@ -251,9 +258,8 @@ async fn a_tour_that_was_skipped_stays_away_and_says_why_it_cannot_spin() {
     if let Some(sample) = &mut stalled.last {
         sample.reply.faults = Faults::from_byte(8);
     }
+    // A virtual motor needs no tick.
     bench.report(stalled, false);
-    let tick = document().get_element_by_id("tour-free").unwrap();
-    tick.unchecked_into::<HtmlInputElement>().click();
     let spin = || bench.find_all("button", "Spin at 20 rpm").pop();
     bench.until("the spin", || spin().is_some()).await;
     let spin = spin().unwrap();

@@ -8,6 +8,7 @@ mod dock;
 mod experiments;
 mod fake_recorder;
 mod fake_sessions;
+mod first_screen;
 mod graph;
 mod help;
 mod id_wizard;

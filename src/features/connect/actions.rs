@@ -54,7 +54,10 @@ impl Connect {
     /// Connects the virtual motors that the address asks for, if it does. They do not become the last choice.
     pub(crate) fn connect_as_addressed(self) {
         match virtual_line(parameter) {
-            Some(Ok(line)) => self.connect_line(line),
+            Some(Ok(line)) => {
+                self.page.worker.opens_by_itself.set_value(true);
+                self.connect_line(line);
+            }
             Some(Err(bad)) => {
                 let page = self.page;
                 page.notify(&move || connect_texts::of_bad_parameter(&bad));
@@ -70,6 +73,7 @@ impl Connect {
     }
 
     pub(crate) fn disconnect(self) {
+        self.page.worker.opens_by_itself.set_value(false);
         self.page.post(&ToWorker::Disconnect);
     }
 

@@ -40,13 +40,17 @@ pub(crate) fn VirtualMotorsPanel(connect: Connect) -> impl IntoView {
             }
         });
     };
-    // The button is there before this panel is loaded, and every byte of it counts.
+    // The buttons, in the header and on the first screen, are there before this panel is loaded, and every byte of
+    // them counts.
     effect(move || {
         let is_open = page.panel() == Some(Panel::VirtualMotors);
-        let button = document().query_selector(".virtual-choice").ok().flatten();
-        if let Some(button) = button {
-            // It fails only for invalid names.
-            let _ = button.set_attribute("aria-expanded", if is_open { "true" } else { "false" });
+        for around in [".connect-buttons", ".first-buttons"] {
+            let button = document().query_selector(&format!("{around} .virtual-choice"));
+            if let Ok(Some(button)) = button {
+                // It fails only for invalid names.
+                let _ =
+                    button.set_attribute("aria-expanded", if is_open { "true" } else { "false" });
+            }
         }
     });
     panel(

@@ -102,10 +102,20 @@ const fn key(connection: Connection) -> &'static str {
     }
 }
 
-/// Buttons `Connect` or `Disconnect`, `Other port`, `Virtual motor` and `Virtual motors`.
+/// Buttons `Connect motor` or `Disconnect`, `Virtual motor`, `Virtual motors` and `Other port`.
 #[component]
-pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
+pub(crate) fn ConnectButtons(
+    connect: Connect,
+    /// Whether they are those of the first screen. The others are in the header, and hidden meanwhile.
+    #[prop(optional)]
+    is_first: bool,
+) -> impl IntoView {
     let page = connect.page;
+    let (around, class) = if is_first {
+        ("first-buttons", "button primary connect")
+    } else {
+        ("connect-buttons", "button connect")
+    };
     // The other button is Disconnect then.
     let open = memo(move || page.shown.with(|session| is_in_use(session.connection)));
     let no_serial_reason = Signal::derive(move || serial_blocked_by(page.worker.state.get()));
@@ -121,26 +131,19 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
         let word = if open.get() {
             tr!("Disconnect")
         } else {
-            tr!("Connect")
+            tr!("Connect motor")
         };
         word.to_owned()
     });
     view! {
-        <div class="connect-buttons">
+        <div class=around hidden=dynamic(move || page.shows_first_screen() != is_first)>
             <PressButton
                 label=label
-                class="button connect"
+                class=class
                 disabled_reason=connect_blocked_by
                 on_press=move || {
                     if open.get_untracked() { connect.disconnect() } else { connect.connect() }
                 }
-            />
-            <PressButton
-                label=tr!("Other port…")
-                name=tr!("Other port")
-                hint=tr!("Other port")
-                disabled_reason=no_serial_reason
-                on_press=move || connect.choose_port(true)
             />
             <PressButton
                 label=tr!("Virtual motor")
@@ -158,6 +161,13 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
                     let is_open = page.open.get_untracked().panel == Some(WHICH);
                     page.show_panel((!is_open).then_some(WHICH));
                 }
+            />
+            <PressButton
+                label=tr!("Other port…")
+                name=tr!("Other port")
+                hint=tr!("Other port")
+                disabled_reason=no_serial_reason
+                on_press=move || connect.choose_port(true)
             />
         </div>
     }

@@ -226,7 +226,9 @@ pub(super) fn problem(problem: &Problem) -> String {
 /// Why the worker did not arm the run.
 pub(super) fn not_armed(why: &NotArmed) -> String {
     match why {
-        NotArmed::NotConnected => tr!("Not connected. Press Connect or Virtual motor.").to_owned(),
+        NotArmed::NotConnected => {
+            tr!("Not connected. Press Connect motor or Virtual motor.").to_owned()
+        }
         NotArmed::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
         NotArmed::Running => tr!("A run is running. Abort it first.").to_owned(),
         NotArmed::Busy => {

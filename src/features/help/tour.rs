@@ -20,7 +20,7 @@ pub(crate) enum Step {
     PickPort,
     /// See the motor answer.
     Answer,
-    /// Make sure that the wheel turns freely; the user confirms it.
+    /// Make sure that the wheel turns freely; the user confirms it. A virtual motor needs no check.
     Free,
     /// Spin it slowly.
     Spin,
@@ -40,6 +40,16 @@ impl Step {
         Self::Spin,
         Self::Stop,
     ];
+
+    /// Whether it concerns only a real motor.
+    pub(crate) const fn is_of_hardware(self) -> bool {
+        matches!(self, Self::PlugIn | Self::PickPort | Self::Free)
+    }
+}
+
+/// Whether the motors are virtual.
+pub(crate) fn is_virtual(session: &Session) -> bool {
+    session.connection.virtual_line().is_some()
 }
 
 /// Whether the tour is shown.
@@ -120,7 +130,7 @@ impl Tour {
             Step::Answer
         } else if self.spun {
             Step::Stop
-        } else if self.free {
+        } else if self.free || is_virtual(session) {
             Step::Spin
         } else {
             Step::Free
@@ -137,6 +147,7 @@ mod tests {
 
     fn at(rpm: i16, driven: bool) -> Session {
         let mut session = session(1_000, status(1_000, Mode::Velocity, rpm));
+        session.connection = Connection::Connected(Adapter::Serial(None));
         if driven {
             session.motors[0].activity = Activity::Driven {
                 setpoint: Setpoint::velocity(SpeedTarget::clamped(SPEED_RPM)),
@@ -168,6 +179,15 @@ mod tests {
         assert_eq!(step(&mut tour, &at(9, false)), Step::Stop, "it still turns");
         assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
         assert_eq!(step(&mut tour, &at(20, true)), Step::Done);
+    }
+
+    #[test]
+    fn a_virtual_motor_needs_not_be_secured() {
+        let mut tour = Tour::default();
+        let mut session = at(0, false);
+        session.connection = Connection::Connected(Adapter::VIRTUAL);
+        assert_eq!(step(&mut tour, &session), Step::Spin);
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Free);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use web_sys::{Element, Event, HtmlElement, HtmlInputElement};
 
 use crate::{
     features::help::{
-        tour::{SPEED_RPM, Shown, Step, Tour},
+        tour::{SPEED_RPM, Shown, Step, Tour, is_virtual},
         tour_texts,
     },
     model::{
@@ -68,7 +68,12 @@ pub(crate) fn TourNotice(
         <div
             class="tour"
             class:asked=dynamic(move || shown() == Shown::Opened)
-            hidden=dynamic(move || shown() == Shown::No)
+            hidden=dynamic(move || match shown() {
+                Shown::No => true,
+                // The first screen has its first steps.
+                Shown::Offered => page.has_no_port(),
+                Shown::Opened => false,
+            })
             inner_html=markup()
         ></div>
     }
@@ -137,6 +142,7 @@ struct Controls {
     now: Step,
     id: MotorId,
     free: bool,
+    is_virtual: bool,
     pick_blocked_by: Option<String>,
     virtual_blocked_by: Option<String>,
     spin_blocked_by: Option<String>,
@@ -149,6 +155,7 @@ impl Controls {
             now: tour.step(session, id),
             id,
             free: tour.free,
+            is_virtual: is_virtual(session),
             pick_blocked_by: serial_blocked_by(page.worker.state.get()),
             virtual_blocked_by: port_blocked_by(page.worker.state.get()),
             spin_blocked_by: drive_blocked_by(session, id, Mode::Velocity),
@@ -169,7 +176,7 @@ fn show(controls: &Controls) {
             tour_texts::skip()
         },
     );
-    mark_steps(now);
+    mark_steps(now, controls.is_virtual);
     let picks = matches!(now, Step::PlugIn | Step::PickPort);
     set_control(PICK, picks, controls.pick_blocked_by.as_deref());
     set_control(VIRTUAL, picks, controls.virtual_blocked_by.as_deref());
@@ -188,8 +195,8 @@ fn show(controls: &Controls) {
     set(HELP, "data-help", topic.id());
 }
 
-/// The state of a step. The page cannot see a plugged-in adapter until its port is picked.
-fn mark_steps(now: Step) {
+/// The state of each step. The page cannot see a plugged-in adapter until its port is picked.
+fn mark_steps(now: Step, is_virtual: bool) {
     let Some(list) = element(SAID).and_then(|said| said.previous_element_sibling()) else {
         return;
     };
@@ -198,6 +205,7 @@ fn mark_steps(now: Step) {
         let Some(item) = items.item(place) else {
             return;
         };
+        let _ = item.toggle_attribute_with_force("hidden", is_virtual && step.is_of_hardware());
         let open = step == now || (now == Step::PickPort && step == Step::PlugIn);
         let class = match (open, step < now) {
             (true, _) => "now",

@@ -81,7 +81,7 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
     match diagnosis {
         Diagnosis::Nothing | Diagnosis::EchoOnly => wiring().to_vec(),
         Diagnosis::Text => vec![tr!(
-            "Another adapter? Press Disconnect, then Connect, and choose its port."
+            "Another adapter? Press Disconnect, then Connect motor, and choose its port."
         )],
         Diagnosis::Blocks => vec![no_blocks()],
         Diagnosis::Floating => vec![tr!(

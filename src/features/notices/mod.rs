@@ -154,15 +154,8 @@ fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
 fn next_steps(session: &Session, id: MotorId, when_silent: Option<WhenSilent>) -> Vec<String> {
     let power_switch = power_switch(id, when_silent);
     let steps: &[&str] = match session.connection {
-        Connection::Disconnected | Connection::Failed(_) => &[
-            tr!(
-                "1. Wire the motor: signal plug to the adapter, power plug to the supply. Help (?) shows \
-                 each wire."
-            ),
-            tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
-            tr!("3. Keep fingers clear of the wheel and press +50."),
-            &power_switch,
-        ],
+        // The first screen says how to begin.
+        Connection::Disconnected | Connection::Failed(_) => &[],
         Connection::Connecting => &[tr!("Opening the port.")],
         Connection::Reconnecting(_) => &[
             tr!("Plug the adapter back in. No motor starts until you press Start."),
@@ -271,7 +264,7 @@ mod tests {
     use crate::model::snapshot::tests::{ID, session, status};
 
     #[test]
-    fn there_is_always_a_next_step() {
+    fn on_an_open_port_there_is_always_a_next_step() {
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
         assert!(next_steps(&session, ID, None)[0].contains("press +50"));
         session.motors[0].activity = Activity::Driven {
@@ -290,11 +283,10 @@ mod tests {
         session.halted = false;
         session.motors.clear();
         assert!(next_steps(&session, ID, None)[0].contains("Waiting"));
-        session.connection = Connection::Disconnected;
-        let first = next_steps(&session, ID, None);
-        assert_eq!(first.len(), 4);
-        assert!(first[3].contains("may keep turning"), "{first:?}");
-        let tested = |it| next_steps(&session, ID, Some(it))[3].clone();
+        session.connection = Connection::Reconnecting(Adapter::VIRTUAL);
+        let replug = next_steps(&session, ID, None);
+        assert!(replug[1].contains("may keep turning"), "{replug:?}");
+        let tested = |it| next_steps(&session, ID, Some(it))[1].clone();
         assert!(tested(WhenSilent::Keeps).contains("keeps its last command"));
         for it in [WhenSilent::Coasts, WhenSilent::Brakes] {
             assert!(tested(it).contains("Do not rely on it"));

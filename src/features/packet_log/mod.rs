@@ -62,7 +62,12 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
         }
     };
     view! {
-        <section class="panel packet-log" aria-label=tr!("Packet log")>
+        <section
+            class="panel packet-log"
+            // It stays when the port is closed.
+            class:has-entries=dynamic(move || !empty.get() || log.cleared_ms.get().is_some())
+            aria-label=tr!("Packet log")
+        >
             <div class="packet-head">
                 <h2>{tr!("Packet log")}</h2>
                 <output

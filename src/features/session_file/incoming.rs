@@ -33,7 +33,7 @@ impl Incoming {
         })
     }
 
-    fn take(self, page: Page, file: JsValue) {
+    pub(crate) fn take(self, page: Page, file: JsValue) {
         // Nothing if the page was closed meanwhile.
         if self.file.try_set(Some(file)).is_none() {
             page.open(Place::Record);

@@ -24,9 +24,11 @@ const PRESS_SOON: &str = r#"((name) => {
     const look = () => {
         const frame = document.getElementById("starting");
         const buttons = [...document.querySelectorAll("button")];
-        const button = buttons.find((it) => (it.ariaLabel ?? it.textContent.trim()) === name);
+        // Another one of this name may be hidden.
+        const named = buttons.filter((it) => (it.ariaLabel ?? it.textContent.trim()) === name);
+        const button = named.find(canBePressed);
         if (first.usable === undefined) {
-            if (button && canBePressed(button)) {
+            if (button) {
                 first.usable = performance.now();
                 button.click();
             }

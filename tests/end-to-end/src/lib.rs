@@ -14,7 +14,7 @@
 //! let bench = Bench::start()?;
 //! let adapter = bench.plug(Line::default(), Usb::default())?;
 //! let page = bench.open("/")?;
-//! page.click("button", "Connect")?;
+//! page.click("button", "Connect motor")?;
 //! page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
 //! assert!(!adapter.wire()?.from_host().is_empty());
 //! bench.close(page)?;

@@ -145,7 +145,7 @@ pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
 pub(crate) fn no_motor(connection: Connection) -> &'static str {
     match connection {
         Connection::Connected(_) => tr!("No motor found yet"),
-        _ => tr!("No motor: press Connect"),
+        _ => tr!("No motor: press Connect motor"),
     }
 }
 

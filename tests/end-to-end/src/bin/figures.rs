@@ -53,7 +53,7 @@ fn connected(bench: &Bench) -> Result<(Adapter, Page)> {
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let page = bench.open("/")?;
     page.look(View::DESKTOP)?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("output", "Speed", |text| {
         text.contains(|c: char| c.is_ascii_digit())
     })?;
@@ -235,7 +235,7 @@ fn stop(adapter: &Adapter, page: &Page) -> Result<Stop> {
 fn first_visit() -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open("/")?;
-    page.find("button", "Connect")?;
+    page.find("button", "Connect motor")?;
     let urls = page.evaluate(
         "performance.getEntriesByType('resource').map((entry) => entry.name).join(' ')",
     )?;

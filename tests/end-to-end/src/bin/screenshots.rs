@@ -250,7 +250,7 @@ fn the_tools(album: &Album) -> Result<()> {
     let _adapter = bench.plug(Line::with_motors(&[1, 2, 3, 7]), Usb::default())?;
     let page = bench.open(&album.address())?;
     page.look(View::DESKTOP)?;
-    page.click("button", translated("Connect"))?;
+    page.click("button", translated("Connect motor"))?;
     connected(&page)?;
     page.open_panel("ID Manager")?;
     page.click("button", translated("Full scan"))?;

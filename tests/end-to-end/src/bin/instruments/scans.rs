@@ -35,7 +35,7 @@ fn scans(where_: &str, line: Line, chip: (u16, u16), most_ms: u64) -> Result<()>
     let _adapter = bench.plug(line, Usb::of(chip))?;
     let page = bench.open("/")?;
     page.look(View::DESKTOP)?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.open_panel("ID Manager")?;
     let mut took = Vec::new();

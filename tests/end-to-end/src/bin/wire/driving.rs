@@ -18,7 +18,7 @@ pub fn connected(bench: &Bench, line: Line) -> Result<(Adapter, Page)> {
     let adapter = bench.plug(line, Usb::default())?;
     let page = bench.open("/")?;
     page.look(View::DESKTOP)?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("output", "Speed", has_digits)?;
     Ok((adapter, page))
 }

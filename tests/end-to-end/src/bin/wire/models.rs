@@ -61,7 +61,7 @@ fn connect_and_stop(model: &str) -> Result<(u64, u64)> {
     let page = bench.open("/")?;
     page.look(View::DESKTOP)?;
     let pressed = now_us();
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("1a86:7523"))?;
     let known_us = now_us() - pressed;
     page.wait_for_text("output", "Speed", crate::driving::has_digits)?;

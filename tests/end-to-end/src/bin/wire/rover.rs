@@ -20,7 +20,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     let (adapter, page) = connected(&bench, line(4))?;
     page.evaluate(FLEET)?;
     page.reload()?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("output", "Speed", has_digits)?;
     scan(&page, 4)?;
     page.open_panel("Drive together")?;

@@ -103,7 +103,7 @@ fn a_line_on_which_nobody_answers_says_what_to_check() -> Result<()> {
     let bench = Bench::reuse()?;
     let _adapter = bench.plug(Line::default().with(&["--loss", "1"]), Usb::default())?;
     let page = bench.open("/")?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     for words in ["18 V", "rown", "A and B"] {
         the_page_says(&page, words)?;
@@ -139,7 +139,7 @@ fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Re
     thread::sleep(Duration::from_millis(300));
     // One of the three causes that look alike to a page.
     adapter.take_node()?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Failed"))?;
     let text = page.evaluate("document.body.innerText")?;
     let text = text.as_str().unwrap_or_default();
@@ -158,7 +158,7 @@ fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Re
 fn a_dismissed_picker_is_no_error() -> Result<()> {
     let bench = Bench::reuse()?;
     let page = bench.open("/")?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.dismiss_picker(|| {
         let text = page.evaluate("document.body.innerText")?;
         Ok(text

@@ -16,7 +16,7 @@ use end_to_end::{Bench, Frame, Line, Page, Usb, now_us};
 const OTHER_TAB: &str = "Another MotorLink tab uses this adapter";
 
 fn fails(page: &Page) -> Result<()> {
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Failed"))?;
     Ok(())
 }

@@ -50,21 +50,72 @@ const SIZES: [View; 6] = [
     WIDE,
 ];
 
+/// The texts of visible elements that match a selector.
+fn visible(page: &Page, selector: &str) -> Result<serde_json::Value> {
+    page.evaluate(&format!(
+        "[...document.querySelectorAll({selector:?})].filter((it) => it.checkVisibility({{ visibilityProperty: true }}))
+            .map((it) => it.ariaLabel ?? it.textContent)"
+    ))
+}
+
+#[test]
+fn the_first_screen_has_one_primary_button_and_nothing_disabled() -> Result<()> {
+    let bench = Bench::reuse()?;
+    let page = bench.open("/")?;
+    page.find("button", "Open recording")?;
+    for view in SIZES {
+        look(&page, view)?;
+        assert_eq!(
+            visible(&page, ".primary")?,
+            json!(["Connect motor"]),
+            "{view:?}"
+        );
+        assert_eq!(visible(&page, ":disabled")?, json!([]), "{view:?}");
+        page.find("heading", "Drive your hub motor from the browser")?;
+        for name in ["Connect motor", "Virtual motor", "STOP all motors"] {
+            in_sight(&page, view, "button", name)?;
+        }
+        for name in ["One wheel", "Rover", "Faulty cable", "Open recording"] {
+            page.find("button", name)?;
+        }
+    }
+    look(&page, View::DESKTOP)?;
+    page.click("button", "Rover")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("4 virtual"))?;
+    page.click("radio", "Group")?;
+    assert!(page.find_all("button", "One wheel")?.is_empty());
+    Ok(())
+}
+
 #[test]
 fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
     let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
-    let page = bench.open("/")?;
+    let page = bench.open("/?port=virtual")?;
+    page.find("button", "Spin at 20 rpm")?;
     for view in SIZES {
         look(&page, view)?;
-        notices(&page, view)?;
+        let tour = notices(&page, view)?;
         in_sight(&page, view, "button", "Skip the tour")?;
+        in_sight(&page, view, "button", "Spin at 20 rpm")?;
+        if view != LANDSCAPE {
+            let wheel = Place::of(&page.find_like("img", "Digital twin")?)?;
+            ensure!(!tour.covers(wheel), "the wheel is covered in {view:?}");
+        }
         // An offer covers no control.
         in_sight(&page, view, "tab", "Velocity")?;
         in_sight(&page, view, "spinbutton", "Target speed")?;
     }
     look(&page, LAPTOP)?;
+    // Nor is it cut in another place.
+    for place in ["Test", "Setup", "Diagnose"] {
+        page.click("button", place)?;
+        in_sight(&page, LAPTOP, "button", "Spin at 20 rpm")?;
+    }
+    page.open_panel("Control")?;
     page.click("button", "Skip the tour")?;
+    page.click("button", "Disconnect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     connect(&page)?;
     let mut scenario = Scenario {
         bench,

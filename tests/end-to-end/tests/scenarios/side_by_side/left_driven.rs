@@ -123,7 +123,7 @@ fn the_next_page_stops_it(
     };
     it_keeps_turning(&mut scenario)?;
     let pressed_us = now_us();
-    scenario.page.click("button", "Connect")?;
+    scenario.page.click("button", "Connect motor")?;
     is_stopped_first(
         &mut scenario,
         what,

@@ -61,7 +61,7 @@ fn limits_are_kept_for_the_next_port_and_the_next_visit() -> Result<()> {
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.reload()?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.open_panel("Settings")?;
     assert_eq!(page.find("spinbutton", "Speed limit")?.value, "60");

@@ -101,7 +101,7 @@ fn a_driver_board_in_json_mode_is_reported_with_its_switch() -> Result<()> {
     let bench = Bench::reuse()?;
     let _board = bench.plug(Line::default().with(&["--json"]), Usb::default())?;
     let page = bench.open("/")?;
-    page.click("button", "Connect")?;
+    page.click("button", "Connect motor")?;
     page.wait_for_text("region", "Notices", |text| {
         text.contains("JSON") && text.contains("away from ESP32")
     })?;

@@ -223,7 +223,12 @@ fn a_new_version_is_taken() -> Result<bool> {
             Err(version.to_string())
         })
     })?;
-    notices(&page, |text| !text.contains("version"))?;
+    wait_until("no more offer", end_to_end::WAIT_MAX, || {
+        let offers = page.find_all("button", "Update")?.len();
+        Ok((offers == 0)
+            .then_some(())
+            .ok_or_else(|| format!("{offers} offers")))
+    })?;
     let caches = page
         .evaluate("caches.keys().then((names) => names.length)")
         .context("counting caches")?;

@@ -16,8 +16,8 @@ const LOST_US_MAX: u64 = 1_000_000;
 /// Drives for some seconds with Record on, then crashes. Gives when.
 fn recorded_until_a_crash(bench: &Bench, adapter: &Adapter) -> Result<(WireLog, u64)> {
     let page = bench.open("/")?;
-    page.fill("spinbutton", "Command rate", "120")?;
     connect(&page)?;
+    page.fill("spinbutton", "Command rate", "120")?;
     page.open_panel("Recording")?;
     page.click("button", "Record telemetry")?;
     spin(&page, "+100", 97..=103)?;
@@ -123,8 +123,6 @@ fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
     let words = offered(&page)?;
     assert!(words.contains("packets"), "{words}");
     assert!(words.contains("s recorded"), "{words}");
-    let rate = page.find("spinbutton", "Command rate")?.value;
-    assert_eq!(rate, "120", "the setup is there by itself");
     restore(&page)?;
     let lost_us = compare(&page, &wire, crashed_us)?;
     let restored = Table::read(&page.download("Export CSV")?)?;
@@ -135,6 +133,8 @@ fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
     // This session stands behind it, and both outlive the next crash.
     let again_us = now_us();
     connect(&page)?;
+    let rate = page.find("spinbutton", "Command rate")?.value;
+    assert_eq!(rate, "120", "the setup is there by itself");
     thread::sleep(Duration::from_secs(2));
     assert_driven_by_nobody(&adapter, crashed_us)?;
     let crashed_again_us = now_us();
@@ -247,8 +247,8 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     assert_eq!(keys, 0);
     page.reload()?;
     assert_nothing_offered(&page)?;
-    assert_eq!(page.find("spinbutton", "Command rate")?.value, "50");
     connect(&page)?;
+    assert_eq!(page.find("spinbutton", "Command rate")?.value, "50");
     page.find("button", "Motor 0x01")?;
     assert_quiet_console(&page);
     Ok(())
