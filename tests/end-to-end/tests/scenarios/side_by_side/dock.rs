@@ -94,6 +94,7 @@ fn the_dock_folds_to_its_title_and_tabs_choose_where_there_is_no_room_for_both()
         assert!(!is_shown(page, gone)?, "{gone:?}");
     }
     page.reload()?;
+    crate::fixture::connect(page)?;
     let is_folded = || -> Result<bool> {
         Ok(is_shown(page, ("button", TITLE))? && !is_shown(page, GRAPH)? && !is_shown(page, LOG)?)
     };
@@ -111,7 +112,6 @@ fn the_dock_folds_to_its_title_and_tabs_choose_where_there_is_no_room_for_both()
     assert!(is_shown(page, GRAPH)? && !is_shown(page, LOG)?);
     page.click("tab", "Packet log")?;
     assert!(!is_shown(page, GRAPH)? && is_shown(page, LOG)?);
-    crate::fixture::connect(page)?;
     page.wait_for_text("log", "Packets", |text| !text.trim().is_empty())?;
     // One below the other.
     look(page, View::PHONE)?;
