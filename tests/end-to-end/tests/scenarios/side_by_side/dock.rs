@@ -64,6 +64,7 @@ fn the_dock_is_resized_at_its_edge_and_stays_so_in_every_place() -> Result<()> {
     page.click("button", "Drive")?;
 
     page.reload()?;
+    crate::fixture::connect(page)?;
     let reloaded = wait_until("the graph", WAIT_MAX, || {
         Ok(graph().map_err(|error| error.to_string()))
     })?;
