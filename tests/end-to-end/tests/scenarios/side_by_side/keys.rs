@@ -186,7 +186,7 @@ fn six_keys_lead_from_load_to_a_turning_wheel() -> Result<()> {
     wait_for_focus(&page, "it.id === 'control'")?;
     page.press("f")?;
     presses += 2;
-    wait_for_speed(&page, 47..=53)?;
+    wait_for_speed(&page, 97..=103)?;
     assert!(presses <= KEYS_MAX, "{presses} key presses");
     page.press(" ")?;
     wait_for_focus(&page, "it.closest('.stopped')")?;

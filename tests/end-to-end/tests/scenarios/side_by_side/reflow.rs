@@ -94,7 +94,8 @@ fn at_400_percent_nothing_is_lost() -> Result<()> {
         look(page, view)?;
         spin(page, "+50", 47..=53)?;
         page.click("button", "STOP all motors")?;
-        page.wait_for_text("alertdialog", "Stopped", |text| text.contains("0x01"))?;
+        // The longest words come with the confirmation.
+        page.wait_for_text("alertdialog", "Stopped", |text| text.contains("confirmed"))?;
         lost.extend(nothing_is_lost(page, view, "Stopped")?);
         page.click("button", "Release")?;
     }
