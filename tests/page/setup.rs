@@ -56,7 +56,7 @@ async fn import(bench: &Bench, text: &str) -> String {
     let file = File::new_with_str_sequence(&parts, "setup.json").unwrap();
     let files = DataTransfer::new().unwrap();
     files.items().add_with_file(&file).unwrap();
-    let chooser = document().query_selector("input[type=file]").unwrap();
+    let chooser = document().query_selector("input[accept='.json']").unwrap();
     let chooser: HtmlInputElement = chooser.unwrap().unchecked_into();
     chooser.set_files(files.files().as_ref());
     let init = EventInit::new();

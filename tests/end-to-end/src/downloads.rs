@@ -91,16 +91,12 @@ impl Page {
         };
         intercept(true)?;
         self.click("button", button)?;
-        let document = self
-            .session
-            .call("DOM.getDocument", json!({ "depth": 0 }))?;
-        let field = json!({
-            "nodeId": at(&document, "/root/nodeId"),
-            // The panels of other places have fields too.
-            "selector": "section:not([hidden]) input[type=file]",
-        });
-        let field = self.session.call("DOM.querySelector", field)?;
-        let files = json!({ "nodeId": at(&field, "/nodeId"), "files": [file] });
+        // The panels of other places have fields too.
+        let expression = "[...document.querySelectorAll('input[type=file]')]
+            .find((field) => field.closest('section').checkVisibility())";
+        let params = json!({ "expression": expression });
+        let field = self.session.call("Runtime.evaluate", params)?;
+        let files = json!({ "objectId": at(&field, "/result/objectId"), "files": [file] });
         self.session.call("DOM.setFileInputFiles", files)?;
         intercept(false).map(drop)
     }

@@ -137,6 +137,7 @@ fn a_rover_is_seen_from_above_with_the_path_that_it_drives() -> Result<()> {
     page.press("Enter")?;
     page.click("button", "Single wheel")?;
     page.reload()?;
+    crate::fixture::connect(page)?;
     wait_until("the stored view", WAIT_MAX, || {
         let rover = page.find_all("button", "Rover")?;
         Ok(if rover.is_empty() {
