@@ -6,7 +6,7 @@ use std::fmt::Write;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::vehicle::{Geometry, Place, Vehicle, Wheel};
 
-use crate::ui::escape::escaped;
+use crate::ui::{escape::escaped, format};
 
 /// Length of a bar beside a wheel, in mm per rpm.
 pub(crate) const BAR_MM_PER_RPM: f64 = 0.5;
@@ -179,11 +179,12 @@ pub(crate) fn cards(vehicle: &Vehicle) -> String {
             let _ = write!(
                 html,
                 "<li class=\"rover-card\" data-card=\"{}\"><b>{} <span>{}</span></b>\
-                 <span class=\"rover-speed\"><span></span> rpm</span>\
+                 <span class=\"rover-speed\"><span></span> {}</span>\
                  <span class=\"rover-rest\"></span><span class=\"rover-trouble\"></span></li>",
                 wheel.id.get(),
                 wheel.id,
-                escaped(&wheel.name)
+                escaped(&wheel.name),
+                format::rpm()
             );
         }
         html.push_str("</ul>");
