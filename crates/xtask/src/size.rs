@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn a_part_over_its_budget_is_an_error() {
-        let report = Report::new(&[file("desk-0123456789ab.wasm", 150_000)]).unwrap();
+        let report = Report::new(&[file("desk-0123456789ab.wasm", 200_000)]).unwrap();
         let error = report.check().unwrap_err().to_string();
         assert!(error.contains("desk: "), "{error}");
     }
