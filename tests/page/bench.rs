@@ -39,6 +39,7 @@ const WORKER: &str = r"
         if (event.data === 'fail') throw new Error('as it was asked to');
         if (event.data.kept) kept = event.data.kept;
         if (event.data === 'live?' || event.data.kept) bench.postMessage('up');
+        else if (event.data === 'all?') { if (self.name === 'worker') bench.postMessage('up'); }
         else self.postMessage(event.data);
     };
     // As the worker that owns the port does: the page takes it for dead once its lock is free.
@@ -180,9 +181,22 @@ impl Bench {
         }));
     }
 
-    /// What the worker was received since the last call, after all of it has arrived.
+    /// What the worker has received since the last call, after all of it has arrived.
+    ///
+    /// On a loaded computer one long timer ends before the page has had a turn, so it waits for many
+    /// turns, then for the worker to have passed on what it has.
     pub async fn received(&self) -> Vec<ToWorker> {
-        pause(200).await;
+        for _ in 0..10 {
+            pause(20).await;
+        }
+        self.up.replace(false);
+        self.channel.post_message(&"all?".into()).unwrap();
+        for _ in 0..100 {
+            if *self.up.borrow() {
+                break;
+            }
+            pause(20).await;
+        }
         self.received.borrow_mut().drain(..).collect()
     }
 
