@@ -20,6 +20,8 @@ const COARSE_STEP_DEG: f32 = 1.42;
 const APART_MAX: Duration = Duration::from_millis(350);
 /// An angle is compared with one of half this age up to this age. A coarse one needs 471 ms to tell 1 rpm.
 const COMPARED_MAX: Duration = Duration::from_secs(1);
+/// A wheel makes no whole turn between two angles this close: the fastest has 330 rpm, one turn in 182 ms.
+const CLOSE: Duration = Duration::from_millis(150);
 /// The turns of an odometry reply are compared to this many.
 const TURNS: i32 = 8;
 
@@ -29,14 +31,19 @@ struct Angles {
     /// The angle with which the newest is compared, and the one that takes its place later.
     compared: Option<[(Instant, f32); 2]>,
     newest: Option<Instant>,
+    /// When two angles between which no whole turn fits last followed each other.
+    close: Option<Instant>,
     stands: bool,
 }
 
 impl Angles {
     /// Records an angle, which repeats after `full` degrees. Returns whether the wheel has moved.
     fn record(&mut self, at: Instant, degrees: f32, step: f32, full: f32) -> bool {
-        let is_near = |newest: Instant| at.since(newest) <= APART_MAX;
-        let follows = self.newest.replace(at).is_some_and(is_near);
+        let gap = self.newest.replace(at).map(|newest| at.since(newest));
+        let follows = gap.is_some_and(|gap| gap <= APART_MAX);
+        if gap.is_some_and(|gap| gap <= CLOSE) || full > 360.0 {
+            self.close = Some(at);
+        }
         let Some([first, second]) = self.compared.filter(|_| follows) else {
             self.begin(at, degrees);
             return false;
@@ -66,6 +73,12 @@ impl Angles {
     fn stands(&self, now: Instant) -> bool {
         let is_fresh = |newest| now.since(newest) <= FRESH_FOR;
         self.stands && self.newest.is_some_and(is_fresh)
+    }
+
+    /// The same, and no wheel that makes one turn from angle to angle looks so.
+    fn stands_for_certain(&self, now: Instant) -> bool {
+        let is_recent = |close| now.since(close) <= COMPARED_MAX;
+        self.stands(now) && self.close.is_some_and(is_recent)
     }
 }
 
@@ -107,8 +120,13 @@ impl Standstill {
     }
 
     /// Whether the wheel stands by angles that are fresh.
-    pub(crate) fn by_angle(&self, now: Instant) -> bool {
+    fn by_angle(&self, now: Instant) -> bool {
         self.fine.stands(now) || self.coarse.stands(now)
+    }
+
+    /// Whether it does for certain: at 200 rpm, an angle every 300 ms is always the same.
+    pub(crate) fn for_certain(&self, now: Instant) -> bool {
+        self.fine.stands_for_certain(now) || self.coarse.stands_for_certain(now)
     }
 }
 
@@ -205,6 +223,20 @@ mod tests {
         assert!(standstill.by_angle(Instant::from_millis(100)));
         standstill.record(Instant::from_millis(100), &reply(5, fine(51.2)));
         assert!(!standstill.by_angle(Instant::from_millis(100)));
+    }
+
+    /// 200 rpm are one turn in 300 ms.
+    #[test]
+    fn angles_that_are_a_whole_turn_apart_leave_no_motor_out_of_a_stop() {
+        for (period_ms, certain) in [(300, false), (100, true)] {
+            let mut standstill = Standstill::default();
+            for ms in (0..=1_200).step_by(period_ms) {
+                standstill.record(Instant::from_millis(ms), &reply(0, coarse(51.2)));
+            }
+            let now = Instant::from_millis(1_200);
+            assert!(standstill.by_angle(now), "{period_ms}");
+            assert_eq!(standstill.for_certain(now), certain, "{period_ms}");
+        }
     }
 
     /// 300 rpm are one turn in 200 ms.

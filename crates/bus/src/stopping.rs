@@ -18,7 +18,7 @@ impl Bus {
         self.halted = true;
         self.begin_stop(now, reason, &|motor| {
             let active = !matches!(motor.control, Control::Idle);
-            // A motor that is not known to stand may turn. A motor that never answered does not exist.
+            // A motor that is not certain to stand may turn. A motor that never answered does not exist.
             active || motor.may_turn() || (motor.has_answered() && !motor.stands(now))
         });
     }

@@ -55,12 +55,12 @@ impl Motor {
         Some(speed)
     }
 
-    /// Whether it is known to stand, by speed and angle.
+    /// Whether it is certain to stand, by speed and angle.
     pub(crate) fn stands(&self, now: Instant) -> bool {
         let by_speed = self
             .fresh_speed(now)
             .is_some_and(|speed| speed.magnitude() == 0);
-        by_speed && self.standstill.by_angle(now)
+        by_speed && self.standstill.for_certain(now)
     }
 
     pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
