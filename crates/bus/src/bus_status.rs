@@ -57,6 +57,7 @@ impl Bus {
         self.motors.iter().map(move |motor| {
             let mut status = motor.status(now);
             status.activity = self.activity(motor);
+            status.waiting = status.waiting.or(self.waiting_in_group(motor.id));
             status
         })
     }

@@ -9,8 +9,8 @@ use crate::{
     raw::hazard::is_hazardous, raw::status::Repeat, settings::BusSettings,
 };
 
-/// A command of the operator. Only [`Command::Start`], [`Command::Drive`], [`Command::DriveGroup`] and a raw frame
-/// ([`Command::SendRaw`]) start motion.
+/// A command of the operator. Only [`Command::Start`], [`Command::StartGroup`], [`Command::Drive`],
+/// [`Command::DriveGroup`] and a raw frame ([`Command::SendRaw`]) start motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
@@ -85,6 +85,14 @@ pub enum Command {
         /// What the operator has confirmed.
         consent: Consent,
     },
+    /// Drive several motors as a group until the next command. If one of them is in another loop, or is being stopped,
+    /// all stop first, and none is driven before each stop is confirmed. Any stop of one of them ends this.
+    StartGroup {
+        /// Each motor with its setpoint.
+        setpoints: GroupSetpoints,
+        /// What the operator has confirmed.
+        consent: Consent,
+    },
     /// Drive several motors as a group until the next command. If one of them may not be driven,
     /// none is. When one is stopped, withdrawn or silent, all are stopped.
     DriveGroup {
@@ -93,7 +101,7 @@ pub enum Command {
         /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Change the setpoints of a driven group; never starts one.
+    /// Change the setpoints of a group that is driven or waits to be; never starts one. Zeros end the wait.
     AdjustGroup {
         /// All motors of the group with their setpoints.
         setpoints: GroupSetpoints,
@@ -136,6 +144,7 @@ impl Command {
             Self::Start { .. }
             | Self::Drive { .. }
             | Self::Adjust { .. }
+            | Self::StartGroup { .. }
             | Self::DriveGroup { .. }
             | Self::AdjustGroup { .. }
             | Self::SwitchMode { .. }

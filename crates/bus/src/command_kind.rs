@@ -10,7 +10,7 @@ use crate::{command::Command, raw::status::Repeat};
 pub enum CommandKind {
     /// [`Command::Start`] or [`Command::Drive`].
     Drive(MotorId),
-    /// [`Command::DriveGroup`].
+    /// [`Command::StartGroup`] or [`Command::DriveGroup`].
     DriveGroup,
     /// [`Command::Adjust`].
     Adjust,
@@ -43,7 +43,7 @@ impl From<Command> for CommandKind {
     fn from(command: Command) -> Self {
         match command {
             Command::Start { id, .. } | Command::Drive { id, .. } => Self::Drive(id),
-            Command::DriveGroup { .. } => Self::DriveGroup,
+            Command::StartGroup { .. } | Command::DriveGroup { .. } => Self::DriveGroup,
             Command::Adjust { .. } => Self::Adjust,
             Command::AdjustGroup { .. } => Self::AdjustGroup,
             Command::SwitchMode { mode, .. } => Self::SwitchMode(mode),

@@ -43,6 +43,9 @@ impl Bus {
             } => self.send_raw(now, frame, repeat, consent)?,
             Command::StopRaw => self.stop_raw(now),
             Command::Configure(settings) => self.configure(now, settings),
+            Command::StartGroup { setpoints, consent } => {
+                self.start_group(now, &setpoints, consent)?;
+            }
             Command::DriveGroup { setpoints, consent } => {
                 self.drive_group(now, &setpoints, consent)?;
             }

@@ -169,8 +169,9 @@ impl Bus {
 
     pub(crate) fn hold(&mut self, now: Instant, id: MotorId) -> Result<(), Refusal> {
         let has_separate_frames = self.model.has_separate_frames();
+        let waits = self.waiting_in_group(id).is_some();
         let motor = self.motor_mut(id).ok_or(Refusal::NotHolding(id))?;
-        if motor.will_drive() {
+        if waits || motor.will_drive() {
             self.begin_stop(now, StopReason::OneMotor, &|motor| motor.id == id);
             return Ok(());
         }

@@ -9,6 +9,7 @@ use motorlink_protocol::{
 
 use crate::{
     event::{StopOutcome, StopReason, StopReport},
+    group::starting::WaitingGroup,
     safety::{StopPlan, stop_plan},
     start::Start,
     timing::{
@@ -268,6 +269,8 @@ pub(crate) struct ActiveStop {
     reason: StopReason,
     /// Whether it goes before everything else on the port, and nothing drives until it has ended.
     pub(crate) goes_first: bool,
+    /// The group that a person has started, for when its motors stand. Any other stop of one of them clears it.
+    pub(crate) then_group: Option<WaitingGroup>,
 }
 
 impl ActiveStop {
@@ -275,6 +278,15 @@ impl ActiveStop {
         Self {
             reason,
             goes_first: false,
+            then_group: None,
+        }
+    }
+
+    /// Another stop of these motors: what waits for the first one must not drive them.
+    pub(crate) fn withdraw_group(&mut self, ids: &[MotorId]) {
+        let is_stopped = |group: &WaitingGroup| ids.iter().any(|id| group.setpoints.has(*id));
+        if self.then_group.as_ref().is_some_and(is_stopped) {
+            self.then_group = None;
         }
     }
 

@@ -64,7 +64,10 @@ impl Bus {
             motor.standstill = Standstill::default();
         }
         match &mut self.stop {
-            Some(stop) => stop.join(reason),
+            Some(stop) => {
+                stop.withdraw_group(&ids);
+                stop.join(reason);
+            }
             None => self.stop = Some(ActiveStop::new(reason)),
         }
         self.events.push_back(Event::StopBegan(reason));
@@ -110,12 +113,17 @@ impl Bus {
             }
         }
         self.stop_for_job_ended(&outcomes);
-        if let Some(stop) = self.stop.take() {
-            self.events
-                .push_back(Event::StopEnded(stop.report(outcomes)));
-        }
+        let Some(stop) = self.stop.take() else {
+            return;
+        };
+        let group = stop.then_group;
+        let report = stop.report(outcomes.clone());
+        self.events.push_back(Event::StopEnded(report));
         for (outcome, start) in starts {
             self.start_stopped(now, outcome, start);
+        }
+        if let Some(group) = group {
+            self.start_stopped_group(now, &outcomes, group);
         }
     }
 }

@@ -12,6 +12,7 @@ mod enabling;
 mod faults;
 mod fixture;
 mod foreign_text;
+mod group_starts;
 mod groups;
 mod holding;
 mod id_change;

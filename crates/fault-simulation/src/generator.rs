@@ -59,7 +59,7 @@ impl Generator {
             Action::Command(Command::Stop(id)),
             pause_ms(600),
         ];
-        match self.rng.u8(..9) {
+        match self.rng.u8(..10) {
             0 => self.hold(id, &mut actions),
             1 => self.reverse(id, &mut actions),
             2 => self.stop_at_an_angle(id, &mut actions),
@@ -85,6 +85,7 @@ impl Generator {
                 actions.push(Action::Command(self.stop(id)));
             }
             7 => self.switch_on_a_late_line(id, &mut actions),
+            8 => self.group_from_other_loops(&mut actions),
             _ => {
                 actions.extend(self.together().map(|parts| {
                     let consent = Consent::None;
@@ -144,6 +145,35 @@ impl Generator {
         }
         actions.push(pause_ms(700));
         actions.push(Action::Line(LineFault::None));
+    }
+
+    /// The start of a group of which some motors are driven in other loops, and what may come meanwhile.
+    fn group_from_other_loops(&mut self, actions: &mut Vec<Action>) {
+        for id in self.some_motors() {
+            actions.push(Action::Power { id, on: true });
+            actions.push(start(id, self.setpoint()));
+        }
+        actions.push(pause_ms(self.rng.u64(50..1_500)));
+        let start = |setpoints| {
+            let consent = Consent::None;
+            Action::Command(Command::StartGroup { setpoints, consent })
+        };
+        actions.extend(self.together().map(start));
+        actions.push(pause_ms(self.rng.u64(1..800)));
+        match self.rng.u8(..6) {
+            0 => {
+                let id = self.motor();
+                actions.push(Action::Command(self.stop(id)));
+            }
+            1 => actions.push(self.disturbance()),
+            2 => actions.extend(self.together().map(|setpoints| {
+                let consent = Consent::None;
+                Action::Command(Command::AdjustGroup { setpoints, consent })
+            })),
+            3 => actions.extend(self.together().map(start)),
+            _ => {}
+        }
+        actions.push(pause_ms(self.rng.u64(500..2_500)));
     }
 
     /// Torque in one direction, then in the other.
@@ -272,6 +302,15 @@ impl Generator {
 
 fn switch(id: MotorId, mode: Mode) -> Action {
     Action::Command(Command::SwitchMode { id, mode })
+}
+
+fn start(id: MotorId, setpoint: Setpoint) -> Action {
+    let consent = Consent::None;
+    Action::Command(Command::Start {
+        id,
+        setpoint,
+        consent,
+    })
 }
 
 pub(crate) fn drive(id: MotorId, setpoint: Setpoint) -> Action {

@@ -101,6 +101,10 @@ fn command(model: Model, is_open: bool, given: Command) -> Command {
             setpoint: setpoint(model, is_open, asked),
             consent,
         },
+        Command::StartGroup { setpoints, consent } => Command::StartGroup {
+            setpoints: group(model, is_open, setpoints),
+            consent,
+        },
         Command::DriveGroup { setpoints, consent } => Command::DriveGroup {
             setpoints: group(model, is_open, setpoints),
             consent,

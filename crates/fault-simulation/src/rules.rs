@@ -163,12 +163,24 @@ impl Rules {
                 id,
                 setpoint,
                 consent,
-            } => self.starts(now, id, setpoint, consent, bus),
+            } => self.starts(now, &[(id, setpoint)], consent, bus),
             Command::Adjust {
                 id,
                 setpoint,
                 consent,
-            } if self.starts.waits(id) => self.starts(now, id, setpoint, consent, bus),
+            } if self.starts.waits(id) => self.starts(now, &[(id, setpoint)], consent, bus),
+            Command::StartGroup { setpoints, consent } => {
+                let parts: Vec<_> = setpoints.entries().collect();
+                self.starts(now, &parts, consent, bus);
+            }
+            // Zeros end what waits.
+            Command::AdjustGroup { setpoints, consent }
+                if setpoints.entries().all(|(id, _)| self.starts.waits(id))
+                    && setpoints.entries().any(|(_, setpoint)| turns(setpoint)) =>
+            {
+                let parts: Vec<_> = setpoints.entries().collect();
+                self.starts(now, &parts, consent, bus);
+            }
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
                 self.liveness.asked(|other| *other == id);
                 self.motion.asked(|other| *other == id);
@@ -201,28 +213,23 @@ impl Rules {
         }
     }
 
-    /// A person started this motor, or changed the setpoint that waits for its stop or its switch.
-    fn starts(
-        &mut self,
-        now: Instant,
-        id: MotorId,
-        setpoint: Setpoint,
-        consent: Consent,
-        bus: &Bus,
-    ) {
-        let mut motors = bus.motors(now).filter(|status| status.id == id);
-        let activity = motors.next().map(|status| status.activity);
-        let stops = matches!(activity, Some(Activity::Stopping { .. }));
-        if stops && !self.starts.waits(id) {
-            // What was driven before is stopped first.
-            self.stop_begins(now, |other| *other == id);
-        } else if !stops {
-            self.liveness.asked(|other| *other == id);
+    /// A person started these motors, or changed the setpoints that wait for their stop or their switch.
+    fn starts(&mut self, now: Instant, parts: &[(MotorId, Setpoint)], consent: Consent, bus: &Bus) {
+        for (id, setpoint) in parts.iter().copied() {
+            let mut motors = bus.motors(now).filter(|status| status.id == id);
+            let activity = motors.next().map(|status| status.activity);
+            let stops = matches!(activity, Some(Activity::Stopping { .. }));
+            if stops && !self.starts.waits(id) {
+                // What was driven before is stopped first.
+                self.stop_begins(now, |other| *other == id);
+            } else if !stops {
+                self.liveness.asked(|other| *other == id);
+            }
+            self.operator.stands(now, id, setpoint);
+            self.motion.asked(|other| *other == id);
+            self.bounds.on_command(id, consent);
         }
-        self.operator.stands(now, id, setpoint);
-        self.motion.asked(|other| *other == id);
-        self.bounds.on_command(id, consent);
-        self.starts.asked(now, id, setpoint);
+        self.starts.asked(now, parts);
     }
 
     /// These motors were stopped: any motion from now on is unwanted.
@@ -385,7 +392,8 @@ impl Rules {
                     let by_hand = raw.is_some();
                     self.liveness.drives(now, id, by_hand)?;
                     let is_healthy = self.liveness.healthy_since().is_some();
-                    if !by_hand && self.starts.drives(now, id, is_healthy, world)? {
+                    if !by_hand && self.starts.drives(now, id, is_healthy, bus, world)? {
+                        self.operator.first_driven(now, id);
                         // The brakes of its stop came before.
                         self.motion.asked(|other| *other == id);
                     }
@@ -531,4 +539,10 @@ impl Rules {
         }
         Ok(())
     }
+}
+
+/// Whether this setpoint asks for motion.
+fn turns(setpoint: Setpoint) -> bool {
+    !matches!(setpoint, Setpoint::Velocity { speed, .. } if speed.rpm() == 0)
+        && setpoint != Setpoint::Brake
 }

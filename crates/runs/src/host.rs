@@ -236,7 +236,8 @@ impl Host {
             | Command::Drive { id, .. }
             | Command::Adjust { id, .. }
             | Command::SwitchMode { id, .. } => Some(Input::Driven(Some(id))),
-            Command::DriveGroup { .. }
+            Command::StartGroup { .. }
+            | Command::DriveGroup { .. }
             | Command::AdjustGroup { .. }
             | Command::SetId { .. }
             | Command::SendRaw { .. } => Some(Input::Driven(None)),

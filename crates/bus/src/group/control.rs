@@ -10,7 +10,7 @@ use crate::{
     group::setpoints::GroupSetpoints,
     motor::{Control, Motor},
     refusal::Refusal,
-    safety::check_drive,
+    safety::{Known, check_drive},
 };
 
 impl Bus {
@@ -21,11 +21,7 @@ impl Bus {
         setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
-        self.check_not_halted()?;
-        self.check_no_job()?;
-        self.check_no_raw_hazard()?;
-        let limits = self.settings.limits;
-        let model = self.model;
+        self.check_may_drive_group()?;
         for (id, setpoint) in setpoints.entries() {
             let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
             match motor.control {
@@ -33,8 +29,8 @@ impl Bus {
                 Control::Switching(_) => return Err(Refusal::Switching(id)),
                 Control::Idle | Control::Driven(_) => {}
             }
-            check_drive(model, id, setpoint, consent, limits, motor.known(now))?;
-            self.check_whole_group(id, setpoints)?;
+            let known = motor.known(now);
+            self.check_member(id, setpoint, consent, known, setpoints)?;
         }
         self.last_group += 1;
         // A single motor is not a group: it is driven as by its own command.
@@ -55,6 +51,9 @@ impl Bus {
         setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
+        if self.adjust_waiting(now, setpoints, consent)? {
+            return Ok(());
+        }
         let mut group = None;
         for (id, setpoint) in setpoints.entries() {
             let driven = self.motor_mut(id).and_then(Motor::driven_mut);
@@ -63,10 +62,9 @@ impl Bus {
             if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
                 return Err(Refusal::NotDriven(id));
             }
-            let (limits, model) = (self.settings.limits, self.model);
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
-            check_drive(model, id, setpoint, consent, limits, motor.known(now))?;
-            self.check_whole_group(id, setpoints)?;
+            let known = motor.known(now);
+            self.check_member(id, setpoint, consent, known, setpoints)?;
         }
         for (id, setpoint) in setpoints.entries() {
             self.adjust(now, id, setpoint, consent)?;
@@ -119,10 +117,32 @@ impl Bus {
     /// Refuses to drive one motor of a group apart from the others.
     pub(crate) fn check_not_in_group(&self, id: MotorId) -> Result<(), Refusal> {
         let motor = self.motors.iter().find(|motor| motor.id == id);
-        match motor.and_then(Motor::group) {
-            Some(_) => Err(Refusal::InGroup(id)),
-            None => Ok(()),
+        let is_driven = motor.and_then(Motor::group).is_some();
+        if is_driven || self.waiting_in_group(id).is_some() {
+            return Err(Refusal::InGroup(id));
         }
+        Ok(())
+    }
+
+    /// Refuses a group while nothing may be driven.
+    pub(crate) fn check_may_drive_group(&self) -> Result<(), Refusal> {
+        self.check_not_halted()?;
+        self.check_no_job()?;
+        self.check_no_raw_hazard()
+    }
+
+    /// Refuses a motor of a group that must not be driven, or whose group has others.
+    pub(crate) fn check_member(
+        &self,
+        id: MotorId,
+        setpoint: Setpoint,
+        consent: Consent,
+        known: Known,
+        setpoints: &GroupSetpoints,
+    ) -> Result<(), Refusal> {
+        let limits = self.settings.limits;
+        check_drive(self.model, id, setpoint, consent, limits, known)?;
+        self.check_whole_group(id, setpoints)
     }
 
     fn check_whole_group(&self, id: MotorId, setpoints: &GroupSetpoints) -> Result<(), Refusal> {

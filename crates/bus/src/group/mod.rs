@@ -2,3 +2,4 @@
 
 mod control;
 pub(crate) mod setpoints;
+pub(crate) mod starting;

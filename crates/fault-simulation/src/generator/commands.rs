@@ -35,6 +35,7 @@ impl Generator {
                 consent,
             },
             12..=14 => match self.together() {
+                Some(setpoints) if self.rng.bool() => Command::StartGroup { setpoints, consent },
                 Some(parts) => Command::DriveGroup {
                     setpoints: parts,
                     consent,

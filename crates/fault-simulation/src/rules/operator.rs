@@ -136,6 +136,14 @@ impl Operator {
         self.withdrawn_by_gap.remove(&id);
     }
 
+    /// The first drive frame of a start that has waited: its silence counts from now on.
+    pub(super) fn first_driven(&mut self, now: Instant, id: MotorId) {
+        if let Some(standing) = self.standing.get_mut(&id) {
+            standing.since = now;
+        }
+        self.reported.entry(id).or_default().asked = 0;
+    }
+
     /// What is started after a confirmed stop begins at rest. Its motor may still be hot.
     pub(super) fn stopped(&mut self, report: &StopReport) {
         for outcome in report.motors.iter().filter(|outcome| outcome.confirmed) {

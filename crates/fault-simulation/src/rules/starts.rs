@@ -21,15 +21,19 @@ pub(super) struct Starts {
     waiting: BTreeMap<MotorId, Instant>,
     /// Motors whose first drive frame is still to come.
     first: BTreeMap<MotorId, Setpoint>,
+    /// The motors of each group that was started last, with their setpoints.
+    groups: Vec<Vec<(MotorId, Setpoint)>>,
     /// Motors of which an event of this moment has said that they are not driven.
     said: BTreeSet<MotorId>,
 }
 
 impl Starts {
-    /// A person started this motor.
-    pub(super) fn asked(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) {
-        self.waiting.insert(id, now);
-        self.first.insert(id, setpoint);
+    /// A person started these motors, as a group if there are several.
+    pub(super) fn asked(&mut self, now: Instant, parts: &[(MotorId, Setpoint)]) {
+        self.asked_otherwise(|id| parts.iter().any(|(part, _)| part == id));
+        self.waiting.extend(parts.iter().map(|(id, _)| (*id, now)));
+        self.first.extend(parts.iter().copied());
+        self.groups.push(parts.to_vec());
     }
 
     pub(super) fn waits(&self, id: MotorId) -> bool {
@@ -40,6 +44,15 @@ impl Starts {
     pub(super) fn asked_otherwise(&mut self, is_asked: impl Fn(&MotorId) -> bool) {
         self.first.retain(|id, _| !is_asked(id));
         self.waiting.retain(|id, _| !is_asked(id));
+        self.groups
+            .retain(|parts| !parts.iter().any(|(id, _)| is_asked(id)));
+    }
+
+    /// The motors that are started with this one, and it.
+    fn group_of(&self, id: MotorId) -> &[(MotorId, Setpoint)] {
+        let mut groups = self.groups.iter();
+        let group = groups.find(|parts| parts.iter().any(|(part, _)| *part == id));
+        group.map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn on_event(&mut self, now: Instant, event: &Event) {
@@ -53,7 +66,8 @@ impl Starts {
             Event::NotStarted { id, .. }
             | Event::Withdrawn { id, .. }
             | Event::ModeSwitchFailed { id, .. } => {
-                self.said.insert(*id);
+                let ended: Vec<_> = self.group_of(*id).iter().map(|(id, _)| *id).collect();
+                self.said.extend(ended);
             }
             _ => {}
         }
@@ -65,16 +79,25 @@ impl Starts {
         now: Instant,
         id: MotorId,
         is_healthy: bool,
+        bus: &Bus,
         world: &World,
     ) -> Result<bool, Violation> {
-        let Some(setpoint) = self.first.remove(&id) else {
+        if self.first.remove(&id).is_none() {
             return Ok(false);
-        };
-        // On a bad line the motor may have lost power since it reported the loop.
-        let mode = world.motor(id).and_then(VirtualMotor::active_mode);
-        if is_healthy && mode.is_some_and(|mode| mode != setpoint.mode()) {
-            let what = format!("{id} is driven to {setpoint:?} in {mode:?}");
-            return broken(Rule::StartEnds, now, what);
+        }
+        for (part, setpoint) in self.group_of(id) {
+            let mut motors = bus.motors(now).filter(|status| status.id == *part);
+            let activity = motors.next().map(|status| status.activity);
+            if !matches!(activity, Some(Activity::Driven { .. })) {
+                let what = format!("{id} is driven, and {part} is not: {activity:?}");
+                return broken(Rule::StartEnds, now, what);
+            }
+            // On a bad line the motor may have lost power since it reported the loop.
+            let mode = world.motor(*part).and_then(VirtualMotor::active_mode);
+            if is_healthy && mode.is_some_and(|mode| mode != setpoint.mode()) {
+                let what = format!("{id} is driven, and {part} to {setpoint:?} in {mode:?}");
+                return broken(Rule::StartEnds, now, what);
+            }
         }
         Ok(true)
     }

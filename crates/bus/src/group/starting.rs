@@ -1,0 +1,146 @@
+//! Starts a group whose motors may be in other loops: they stop first, and a stop leaves each in the velocity loop.
+
+use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
+
+use crate::{
+    bus::Bus,
+    command::Consent,
+    driving::is_rest,
+    event::{Event, StopOutcome, StopReason},
+    group::setpoints::GroupSetpoints,
+    motor::{Control, Motor},
+    refusal::Refusal,
+    safety::Known,
+};
+
+/// A group that a person has started, and that waits for a stop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WaitingGroup {
+    pub(crate) setpoints: GroupSetpoints,
+    consent: Consent,
+}
+
+impl Bus {
+    /// Drives all motors, or refuses and drives none. If one is in another loop, or is being stopped, all stop first.
+    pub(crate) fn start_group(
+        &mut self,
+        now: Instant,
+        setpoints: &GroupSetpoints,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        let in_velocity_loop = |(_, setpoint): (_, Setpoint)| setpoint.mode() == Mode::Velocity;
+        let is_member = |motor: &Motor| setpoints.has(motor.id);
+        let can_start = |motor: &Motor| match motor.control {
+            Control::Idle => motor.obeys() && motor.fresh_mode(now) == Some(Mode::Velocity),
+            Control::Driven(driven) => driven.goal.mode() == Mode::Velocity,
+            Control::Switching(_) | Control::Stopping(_) => false,
+        };
+        let mut members = self.motors.iter().filter(|motor| is_member(motor));
+        if members.all(can_start) || !setpoints.entries().all(in_velocity_loop) {
+            return self.drive_group(now, setpoints, consent);
+        }
+        self.check_waiting(now, setpoints, consent)?;
+        let must_stop =
+            |motor: &Motor| is_member(motor) && !matches!(motor.control, Control::Stopping(_));
+        if self.motors.iter().any(must_stop) {
+            self.begin_stop(now, StopReason::OneMotor, &must_stop);
+        }
+        self.set_waiting(setpoints, consent);
+        Ok(())
+    }
+
+    /// Changes the setpoints of the group that waits, or ends its start by zeros. Returns whether these motors wait.
+    pub(crate) fn adjust_waiting(
+        &mut self,
+        now: Instant,
+        setpoints: &GroupSetpoints,
+        consent: Consent,
+    ) -> Result<bool, Refusal> {
+        let Some(waiting) = self.waiting_group() else {
+            return Ok(false);
+        };
+        let same = |one: &GroupSetpoints, other: &GroupSetpoints| {
+            one.entries().all(|(id, _)| other.has(id))
+        };
+        if !same(&waiting.setpoints, setpoints) || !same(setpoints, &waiting.setpoints) {
+            return Ok(false);
+        }
+        if setpoints.entries().all(|(_, setpoint)| is_rest(setpoint)) {
+            if let Some(stop) = &mut self.stop {
+                stop.then_group = None;
+            }
+            return Ok(true);
+        }
+        self.check_waiting(now, setpoints, consent)?;
+        self.set_waiting(setpoints, consent);
+        Ok(true)
+    }
+
+    /// Drives the group that waited for this stop, or says why not.
+    pub(crate) fn start_stopped_group(
+        &mut self,
+        now: Instant,
+        outcomes: &[StopOutcome],
+        group: WaitingGroup,
+    ) {
+        let WaitingGroup { setpoints, consent } = group;
+        let is_unconfirmed =
+            |outcome: &&StopOutcome| setpoints.has(outcome.id) && !outcome.confirmed;
+        let unconfirmed = outcomes.iter().find(is_unconfirmed);
+        let started = match unconfirmed {
+            Some(outcome) => Err(Refusal::NotStopped(outcome.id)),
+            None => self.drive_group(now, &setpoints, consent),
+        };
+        if let (Err(refusal), Some((id, _))) = (started, setpoints.entries().next()) {
+            self.events.push_back(Event::NotStarted { id, refusal });
+        }
+    }
+
+    /// The setpoint with which this motor waits for the other motors of its group.
+    pub(crate) fn waiting_in_group(&self, id: MotorId) -> Option<Setpoint> {
+        let mut entries = self.waiting_group()?.setpoints.entries();
+        entries.find_map(|(member, setpoint)| (member == id).then_some(setpoint))
+    }
+
+    fn waiting_group(&self) -> Option<&WaitingGroup> {
+        self.stop.as_ref()?.then_group.as_ref()
+    }
+
+    /// The newest start counts: what a motor of the group waits for alone is over.
+    fn set_waiting(&mut self, setpoints: &GroupSetpoints, consent: Consent) {
+        for motor in &mut self.motors {
+            if let Control::Stopping(stop) = &mut motor.control
+                && setpoints.has(motor.id)
+            {
+                stop.then = None;
+            }
+        }
+        if let Some(stop) = &mut self.stop {
+            stop.then_group = Some(WaitingGroup {
+                setpoints: *setpoints,
+                consent,
+            });
+        }
+    }
+
+    /// Refuses what would be refused after the stop too. In which loop a motor is then, its stop decides.
+    fn check_waiting(
+        &mut self,
+        now: Instant,
+        setpoints: &GroupSetpoints,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        self.check_may_drive_group()?;
+        for (id, setpoint) in setpoints.entries() {
+            let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
+            let known = motor.known(now);
+            let answers = known.reported.is_some() || motor.fresh_speed(now).is_some();
+            let known = Known {
+                reported: answers.then_some(Mode::Velocity),
+                ..known
+            };
+            self.check_member(id, setpoint, consent, known, setpoints)?;
+        }
+        Ok(())
+    }
+}
