@@ -39,6 +39,7 @@ impl Page {
         if matches!(
             command,
             Command::Start { .. }
+                | Command::StartGroup { .. }
                 | Command::Drive { .. }
                 | Command::DriveGroup { .. }
                 | Command::SendRaw { .. }

@@ -75,7 +75,7 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
         .then(|| terms::refusal(Refusal::FaultActive { id, faults }))
 }
 
-/// Why this motor cannot be driven at once, without a stop or a switch before: in a group, or by a run.
+/// Why this motor cannot be driven at once, without a stop or a switch before: by a run.
 pub(crate) fn in_loop_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
     if let Some(reason) = drive_blocked_by(session, id, mode) {
         return Some(reason);
@@ -98,7 +98,7 @@ pub(crate) fn in_loop_blocked_by(session: &Session, id: MotorId, mode: Mode) -> 
     Some(terms::refusal(refusal))
 }
 
-/// Why these motors cannot be driven together in the velocity loop now.
+/// Why these motors cannot be driven together in the velocity loop now. The bus stops and switches them first.
 pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
     if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
@@ -115,32 +115,46 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
     if members.len() > GroupSetpoints::MAX {
         return Some(terms::not_together(GroupError::TooMany));
     }
-    members.iter().find_map(|(id, _)| {
-        let reason = in_loop_blocked_by(session, *id, Mode::Velocity)?;
-        if let Some(mode) = session.mode(*id).filter(|mode| mode.value != Mode::Velocity)
-            && drive_blocked_by(session, *id, Mode::Velocity).is_none()
-        {
-            let reported = terms::mode(mode.value);
-            return Some(tr!(
-                "Motor {id} is in the {reported}. Press its Stop, which switches it to the velocity loop.",
-                id,
-                reported
-            ));
+    first_blocked(members, |id| drive_blocked_by(session, id, Mode::Velocity))
+}
+
+/// Why these motors cannot be steered as a vehicle now. What is held drives at once, or not at all.
+pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
+    if let Some(reason) = group_drive_blocked_by(session, members) {
+        return Some(reason);
+    }
+    let at_once = |id| {
+        let is_idle = session.motor(id)?.activity == Activity::Idle;
+        let reported = session.mode(id)?.value;
+        if !is_idle || reported == Mode::Velocity {
+            return in_loop_blocked_by(session, id, Mode::Velocity);
         }
+        let reported = terms::mode(reported);
+        Some(tr!(
+            "Motor {id} is in the {reported}. Press its Stop, which switches it to the velocity loop.",
+            id,
+            reported
+        ))
+    };
+    first_blocked(members, at_once).or_else(|| {
+        let (id, _) = members.iter().find(|(_, side)| *side == Side::None)?;
+        Some(tr!("To steer, set the side of motor {id}.", id))
+    })
+}
+
+/// Why the first of these motors is blocked, with its name.
+fn first_blocked(
+    members: &GroupMembers,
+    why: impl Fn(MotorId) -> Option<String>,
+) -> Option<String> {
+    members.iter().find_map(|(id, _)| {
+        let reason = why(*id)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason
         } else {
             tr!("Motor {id}: {reason}", id, reason)
         })
-    })
-}
-
-/// Why these motors cannot be steered as a vehicle now.
-pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
-    group_drive_blocked_by(session, members).or_else(|| {
-        let (id, _) = members.iter().find(|(_, side)| *side == Side::None)?;
-        Some(tr!("To steer, set the side of motor {id}.", id))
     })
 }
 

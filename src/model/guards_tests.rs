@@ -66,33 +66,35 @@ fn nothing_drives_while_it_must_not() {
     }
 }
 
-/// The bus drives one motor when it stands in its new loop. It starts no group before that.
+/// The bus drives what stands in its new loop, one motor or a group. What is held never waits.
 #[test]
-fn a_motor_that_stops_or_switches_can_be_started_alone() {
-    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+fn what_stops_or_switches_or_is_in_another_loop_can_be_started() {
+    let mut session = session(1_000, status(1_000, Mode::Current, 0));
     let members = vec![(ID, Side::Left)];
-    assert_eq!(group_drive_blocked_by(&session, &members), None);
-    for (activity, words) in [
-        (
-            Activity::Switching { to: Mode::Velocity },
-            "switching loops",
-        ),
-        (Activity::Stopping { confirmed: false }, "is stopping"),
+    for activity in [
+        Activity::Idle,
+        Activity::Switching { to: Mode::Velocity },
+        Activity::Stopping { confirmed: false },
     ] {
         session.motors[0].activity = activity;
         for mode in MODES {
             assert_eq!(drive_blocked_by(&session, ID, mode), None);
         }
-        let group = group_drive_blocked_by(&session, &members).unwrap();
-        assert!(group.contains(words), "{group}");
+        assert_eq!(group_drive_blocked_by(&session, &members), None);
+        // The pad drives at once or not at all.
+        let held = steer_blocked_by(&session, &members).unwrap();
+        let words = match activity {
+            Activity::Switching { .. } => "switching loops",
+            Activity::Stopping { .. } => "is stopping",
+            _ => "Press its Stop",
+        };
+        assert!(held.contains(words), "{held}");
     }
-    session.motors[0].activity = Activity::Idle;
-    session.motors[0].last.as_mut().unwrap().reply.mode = Mode::Current;
-    let group = group_drive_blocked_by(&session, &members).unwrap();
-    assert!(group.contains("Press its Stop"), "{group}");
     session.motors[0].last.as_mut().unwrap().reply.faults = Faults::from_byte(8);
     let fault = drive_blocked_by(&session, ID, Mode::Velocity).unwrap();
     assert!(fault.contains("stall"), "{fault}");
+    let group = group_drive_blocked_by(&session, &members).unwrap();
+    assert!(group.contains("stall"), "{group}");
 }
 
 #[test]
@@ -147,9 +149,6 @@ fn motors_drive_together_where_each_of_them_may() {
     case("Press Release", &|s| s.halted = true);
     case("bus scan is running", &|s| {
         s.job = Some(JobStatus::Stopping);
-    });
-    case("Motor 0x01 is in the current loop", &|s| {
-        s.motors = vec![status(1_000, Mode::Current, 0)];
     });
     for (words, session) in cases {
         let reason = group_drive_blocked_by(&session, &members).unwrap();

@@ -186,7 +186,7 @@ mod tests {
             setpoint,
             consent: Consent::None,
         };
-        let together = Command::DriveGroup {
+        let together = Command::StartGroup {
             setpoints: GroupSetpoints::new(&[(id(1), rpm(80)), (id(2), rpm(-80))]).unwrap(),
             consent: Consent::None,
         };

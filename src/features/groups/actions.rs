@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice,
-    bus::{Activity, Command, CommandKind, Consent},
+    bus::{Activity, Command, CommandKind, Consent, GroupSetpoints},
 };
 use web_sys::VisibilityState;
 
@@ -36,8 +36,8 @@ type Waker = Box<dyn Fn()>;
 #[derive(Clone, Debug, Default)]
 struct Group {
     members: GroupMembers,
-    /// Whether all have been reported as driven since.
-    seen_driven: bool,
+    /// Whether all have been reported since as driven, or as waiting to be.
+    seen_started: bool,
 }
 
 /// The panel `Drive together`: the entered speed and the group.
@@ -88,13 +88,16 @@ impl Groups {
                 .refuse(tr!("Group not started").to_owned(), reason);
             return;
         }
-        let rpm = self.speed.get_untracked();
-        self.begin_group(members, ahead(rpm));
+        let wheels = ahead(self.speed.get_untracked());
+        self.begin_group(members, wheels, |setpoints, consent| Command::StartGroup {
+            setpoints,
+            consent,
+        });
     }
 
-    /// Adjusts a driven group to the entered speed; starts nothing.
+    /// Adjusts a group that is driven or waits to the entered speed; starts nothing.
     pub(crate) fn adjust_together(self) {
-        if self.group.with_value(|group| group.seen_driven) {
+        if self.group.with_value(|group| group.seen_started) {
             self.adjust_group(ahead(self.speed.get_untracked()));
         }
     }
@@ -115,17 +118,19 @@ impl Groups {
         }
     }
 
-    fn begin_group(self, members: GroupMembers, wheels: Wheels) {
+    fn begin_group(
+        self,
+        members: GroupMembers,
+        wheels: Wheels,
+        command: fn(GroupSetpoints, Consent) -> Command,
+    ) {
         let Ok(setpoints) = group_setpoints(&members, wheels) else {
             return;
         };
-        self.page.command(Command::DriveGroup {
-            setpoints,
-            consent: Consent::None,
-        });
+        self.page.command(command(setpoints, Consent::None));
         self.set_group(Group {
             members,
-            seen_driven: false,
+            seen_started: false,
         });
         self.page.notices.update(|board| {
             for topic in [Topic::Command, Topic::Stop] {
@@ -174,7 +179,11 @@ impl Groups {
                     .motors
                     .names
                     .with_untracked(NamesAndSides::group_members);
-                self.begin_group(members, wheels);
+                // What is held drives at once or is refused: it never waits for a stop.
+                self.begin_group(members, wheels, |setpoints, consent| Command::DriveGroup {
+                    setpoints,
+                    consent,
+                });
             }
             Some(Order::Adjust(wheels)) => self.adjust_group(wheels),
             None => {}
@@ -283,27 +292,29 @@ impl Groups {
         }
     }
 
-    /// Updates whether the group still drives, after all notices of one message.
+    /// Updates whether the group still drives or waits, after all notices of one message.
     pub(crate) fn check_group(self) {
         let group = self.group.get_value();
         if group.members.is_empty() {
             return;
         }
-        let (gone, driven) = self.page.latest.with_value(|session| {
+        let (gone, started) = self.page.latest.with_value(|session| {
             let gone = !matches!(session.connection, Connection::Connected(_))
                 || session.halted
                 || session.job.is_some();
-            let driven = group.members.iter().all(|(id, _)| {
-                let activity = session.motor(*id).map(|motor| motor.activity);
-                matches!(activity, Some(Activity::Driven { .. }))
+            let started = group.members.iter().all(|(id, _)| {
+                session.motor(*id).is_some_and(|motor| {
+                    let is_driven = matches!(motor.activity, Activity::Driven { .. });
+                    is_driven || motor.waiting.is_some()
+                })
             });
-            (gone, driven)
+            (gone, started)
         });
         if gone {
             self.forget();
-        } else if driven {
-            self.group.update_value(|group| group.seen_driven = true);
-        } else if group.seen_driven {
+        } else if started {
+            self.group.update_value(|group| group.seen_started = true);
+        } else if group.seen_started {
             // The bus stops the whole group if one motor stops; a hold sends a stop as well.
             self.with_pad(DrivePad::end);
             self.set_group(Group::default());

@@ -2,7 +2,10 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::MotorId;
+use motorlink_messages::{
+    bus::{Activity, MotorStatus},
+    protocol::MotorId,
+};
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
@@ -14,7 +17,7 @@ use crate::{
     },
     model::{
         guards::{group_drive_blocked_by, side_change_blocked_by, stop_blocked_by},
-        names_and_sides::{NamesAndSides, Side},
+        names_and_sides::{GroupMembers, NamesAndSides, Side},
         page::Page,
         snapshot::Session,
         tool_entry,
@@ -26,7 +29,7 @@ use crate::{
         listener::on_window,
         number_field::NumberField,
         panel::panel,
-        reactive::{effect, memo},
+        reactive::{dynamic, effect, memo},
     },
 };
 
@@ -52,6 +55,10 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
             .with(|session| group_drive_blocked_by(session, &members))
     });
     let start_blocked_by = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
+    let stage = memo(move || {
+        let members = page.motors.names.with(NamesAndSides::group_members);
+        page.shown.with(|session| stage_of_start(session, &members))
+    });
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     update_rows(groups);
     pad_view::attach_handlers(groups);
@@ -87,6 +94,7 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                         on_press=move || groups.start_together()
                     />
                 </div>
+                <p class="quiet" role="status">{dynamic(move || stage.get())}</p>
                 <div inner_html=pad_view::markup()></div>
                 <div inner_html=rows_markup()></div>
                 <NumberField
@@ -102,6 +110,21 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
             </div>
         },
     )
+}
+
+/// What the start of these motors waits for; nothing if it does not wait.
+fn stage_of_start(session: &Session, members: &GroupMembers) -> &'static str {
+    let mut motors = members.iter().filter_map(|(id, _)| session.motor(*id));
+    let is_waiting = motors.any(|motor| motor.waiting.is_some() && is_stopping(motor));
+    if is_waiting {
+        tr!("Stopping the wheels, then the group starts.")
+    } else {
+        ""
+    }
+}
+
+fn is_stopping(motor: &MotorStatus) -> bool {
+    matches!(motor.activity, Activity::Stopping { .. })
 }
 
 /// Updates the rows and handles changes in them.

@@ -115,6 +115,14 @@ fn parts(first: i32, second: i32) -> GroupSetpoints {
 }
 
 fn start(first: i32, second: i32) -> Command {
+    Command::StartGroup {
+        setpoints: parts(first, second),
+        consent: Consent::None,
+    }
+}
+
+/// The pad drives at once or not at all.
+fn held(first: i32, second: i32) -> Command {
     Command::DriveGroup {
         setpoints: parts(first, second),
         consent: Consent::None,
@@ -172,6 +180,29 @@ async fn a_group_follows_the_entered_speed_and_is_not_started_by_it() {
     bench.commands().await;
     enter();
     assert_eq!(bench.commands().await, []);
+}
+
+#[wasm_bindgen_test]
+async fn the_panel_says_what_a_start_waits_for_and_a_stop_ends_it() {
+    let bench = rover("stage").await;
+    let says = || bench.text("region", "Drive together");
+    bench.click("Start group");
+    report(&bench, |update| {
+        update.motors = [1, 2].map(standing).into();
+        for motor in &mut update.motors {
+            motor.waiting = Some(Setpoint::velocity(SpeedTarget::ZERO));
+            motor.activity = Activity::Stopping { confirmed: false };
+        }
+    });
+    bench
+        .until("the stage", || says().contains("then the group starts"))
+        .await;
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    bench.enter("Group speed", "70").focus().unwrap();
+    press("Enter");
+    assert_eq!(bench.commands().await, [adjust(70, -70)]);
+    bench.click("Stop group");
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
 }
 
 /// The worker tells what the motor counts: −100 is forward of a right wheel.

@@ -8,7 +8,7 @@ use motorlink_messages::{
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, KeyboardEventInit};
 
-use super::{adjust, both, happen, key, key_with, pad, pointer, rover, start, until_enabled_pad};
+use super::{adjust, both, happen, held, key, key_with, pad, pointer, rover, until_enabled_pad};
 use crate::{
     bench::press,
     tools::{id, report, standing},
@@ -20,7 +20,7 @@ async fn letting_the_pad_go_stops() {
     pointer(&bench, "pointermove", 0.0, 1.0);
     assert_eq!(bench.commands().await, [], "nothing is held");
     pointer(&bench, "pointerdown", 0.0, 1.0);
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     pointer(&bench, "pointermove", 0.0, 0.7);
     pointer(&bench, "pointermove", 0.25, 0.5);
     assert_eq!(bench.commands().await, [adjust(75, -25)], "once a frame");
@@ -37,7 +37,7 @@ async fn arrows_drive_while_they_are_held() {
     assert_eq!(bench.commands().await, [], "held down from elsewhere");
     key(&bench, "keydown", "ArrowUp", false);
     key(&bench, "keydown", "ArrowUp", true);
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     key(&bench, "keydown", "ArrowLeft", false);
     assert_eq!(bench.commands().await, [adjust(0, -100)]);
     key(&bench, "keyup", "ArrowUp", false);
@@ -53,7 +53,7 @@ async fn an_arrow_whose_release_may_be_lost_stops() {
     for way in ["meta", "letter", "meta-up", "again", "menu"] {
         let bench = rover(&format!("arrow-{way}")).await;
         key(&bench, "keydown", "ArrowUp", false);
-        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+        assert_eq!(bench.commands().await, [held(100, -100)], "{way}");
         match way {
             "meta" => key_with(&bench, "keydown", "Meta", with_meta),
             "letter" => key_with(&bench, "keydown", "c", with_meta),
@@ -69,7 +69,7 @@ async fn an_arrow_whose_release_may_be_lost_stops() {
         key(&bench, "keydown", "ArrowUp", true);
         assert_eq!(bench.commands().await, [], "{way}");
         key(&bench, "keydown", "ArrowUp", false);
-        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+        assert_eq!(bench.commands().await, [held(100, -100)], "{way}");
     }
 }
 
@@ -80,7 +80,7 @@ async fn a_pad_that_is_lost_stops() {
     for way in ["blur", "window", "hidden", "closed", "cancelled"] {
         let bench = rover(&format!("lost-{way}")).await;
         pointer(&bench, "pointerdown", 0.0, 1.0);
-        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+        assert_eq!(bench.commands().await, [held(100, -100)], "{way}");
         match way {
             "blur" => happen(&pad(&bench), "blur"),
             "window" => happen(&window, "blur"),
@@ -137,13 +137,13 @@ async fn a_gamepad_drives_while_its_button_is_held_and_the_box_is_ticked() {
     gamepad(Some((false, -1.0)));
     assert_eq!(bench.commands().await, []);
     gamepad(Some((true, -1.0)));
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     gamepad(Some((true, 0.5)));
     assert_eq!(bench.commands().await, [adjust(-50, 50)]);
     gamepad(Some((false, 0.5)));
     assert_eq!(bench.commands().await, [stop]);
     gamepad(Some((true, -1.0)));
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     gamepad(None);
     assert_eq!(bench.commands().await, [stop], "unplugged");
     gamepad(Some((true, -1.0)));
@@ -151,7 +151,7 @@ async fn a_gamepad_drives_while_its_button_is_held_and_the_box_is_ticked() {
     gamepad(Some((false, -1.0)));
     bench.commands().await;
     gamepad(Some((true, -1.0)));
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     bench.find("checkbox", "Use gamepad").click();
     assert_eq!(bench.commands().await, [stop], "the box");
     js_sys::eval("delete navigator.getGamepads").unwrap();
@@ -163,7 +163,7 @@ async fn a_move_after_a_stop_starts_nothing() {
     pointer(&bench, "pointerdown", 0.0, 1.0);
     press("Escape");
     let stop = Command::StopAll(StopReason::Operator);
-    assert_eq!(bench.commands().await, [start(100, -100), stop]);
+    assert_eq!(bench.commands().await, [held(100, -100), stop]);
     pointer(&bench, "pointermove", 0.0, 0.5);
     pointer(&bench, "pointerup", 0.0, 0.5);
     assert_eq!(bench.commands().await, []);
@@ -176,7 +176,7 @@ async fn a_move_after_a_stop_starts_nothing() {
             setpoint: Setpoint::velocity(SpeedTarget::ZERO),
         },
     );
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     both(&bench, Activity::Stopping { confirmed: false });
     assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
     pointer(&bench, "pointermove", 0.0, 0.5);
@@ -196,16 +196,16 @@ async fn a_move_after_a_stop_starts_nothing() {
     assert_eq!(bench.commands().await, []);
     pointer(&bench, "pointerup", 0.0, 0.5);
     pointer(&bench, "pointerdown", 0.0, 1.0);
-    assert_eq!(bench.commands().await, [start(100, -100)]);
+    assert_eq!(bench.commands().await, [held(100, -100)]);
     pointer(&bench, "pointerup", 0.0, 1.0);
 }
 
 #[wasm_bindgen_test]
 async fn a_refusal_ends_the_hold() {
     let bench = rover("refused").await;
-    for command in [start(100, -100), adjust(50, -50)] {
+    for command in [held(100, -100), adjust(50, -50)] {
         pointer(&bench, "pointerdown", 0.0, 1.0);
-        assert_eq!(bench.commands().await, [start(100, -100)]);
+        assert_eq!(bench.commands().await, [held(100, -100)]);
         report(&bench, |update| {
             update.motors = vec![standing(1), standing(2)];
             update.notices = vec![Notice::Refused {
