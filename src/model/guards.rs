@@ -115,7 +115,7 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
     if members.len() > GroupSetpoints::MAX {
         return Some(terms::not_together(GroupError::TooMany));
     }
-    first_blocked(members, |id| drive_blocked_by(session, id, Mode::Velocity))
+    first_blocked(members, &|id| drive_blocked_by(session, id, Mode::Velocity))
 }
 
 /// Why these motors cannot be steered as a vehicle now. What is held drives at once, or not at all.
@@ -136,7 +136,7 @@ pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Opt
             reported
         ))
     };
-    first_blocked(members, at_once).or_else(|| {
+    first_blocked(members, &at_once).or_else(|| {
         let (id, _) = members.iter().find(|(_, side)| *side == Side::None)?;
         Some(tr!("To steer, set the side of motor {id}.", id))
     })
@@ -145,7 +145,7 @@ pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Opt
 /// Why the first of these motors is blocked, with its name.
 fn first_blocked(
     members: &GroupMembers,
-    why: impl Fn(MotorId) -> Option<String>,
+    why: &dyn Fn(MotorId) -> Option<String>,
 ) -> Option<String> {
     members.iter().find_map(|(id, _)| {
         let reason = why(*id)?;

@@ -94,7 +94,7 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                         on_press=move || groups.start_together()
                     />
                 </div>
-                <p class="quiet" role="status">{dynamic(move || stage.get())}</p>
+                <p class="quiet field-words" role="status">{dynamic(move || stage.get())}</p>
                 <div inner_html=pad_view::markup()></div>
                 <div inner_html=rows_markup()></div>
                 <NumberField
@@ -113,14 +113,10 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
 }
 
 /// What the start of these motors waits for; nothing if it does not wait.
-fn stage_of_start(session: &Session, members: &GroupMembers) -> &'static str {
+fn stage_of_start(session: &Session, members: &GroupMembers) -> Option<String> {
     let mut motors = members.iter().filter_map(|(id, _)| session.motor(*id));
     let is_waiting = motors.any(|motor| motor.waiting.is_some() && is_stopping(motor));
-    if is_waiting {
-        tr!("Stopping the wheels, then the group starts.")
-    } else {
-        ""
-    }
+    is_waiting.then(|| tr!("Stopping the wheels, then the group starts.").to_owned())
 }
 
 fn is_stopping(motor: &MotorStatus) -> bool {

@@ -60,10 +60,23 @@ impl GroupSetpoints {
         self.0.iter().flatten().copied()
     }
 
+    /// The setpoint of this motor, if it is among them.
+    #[inline(never)]
+    pub(crate) fn of(&self, id: MotorId) -> Option<Setpoint> {
+        let of_motor = |(member, setpoint)| (member == id).then_some(setpoint);
+        self.entries().find_map(of_motor)
+    }
+
     /// Whether this motor is among them.
     #[must_use]
     pub fn has(&self, id: MotorId) -> bool {
-        self.entries().any(|(part, _)| part == id)
+        self.of(id).is_some()
+    }
+
+    /// Whether the other one has the same motors, in any order.
+    pub(crate) fn has_the_motors_of(&self, other: &Self) -> bool {
+        self.entries().count() == other.entries().count()
+            && self.entries().all(|(id, _)| other.has(id))
     }
 }
 

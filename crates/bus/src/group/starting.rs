@@ -59,10 +59,7 @@ impl Bus {
         let Some(waiting) = self.waiting_group() else {
             return Ok(false);
         };
-        let same = |one: &GroupSetpoints, other: &GroupSetpoints| {
-            one.entries().all(|(id, _)| other.has(id))
-        };
-        if !same(&waiting.setpoints, setpoints) || !same(setpoints, &waiting.setpoints) {
+        if !waiting.setpoints.has_the_motors_of(setpoints) {
             return Ok(false);
         }
         if setpoints.entries().all(|(_, setpoint)| is_rest(setpoint)) {
@@ -98,8 +95,7 @@ impl Bus {
 
     /// The setpoint with which this motor waits for the other motors of its group.
     pub(crate) fn waiting_in_group(&self, id: MotorId) -> Option<Setpoint> {
-        let mut entries = self.waiting_group()?.setpoints.entries();
-        entries.find_map(|(member, setpoint)| (member == id).then_some(setpoint))
+        self.waiting_group()?.setpoints.of(id)
     }
 
     fn waiting_group(&self) -> Option<&WaitingGroup> {
