@@ -6,7 +6,7 @@ use crate::fixture::{
     Scenario, assert_ends_braked, assert_quiet_console, open_name, wait_for_wire,
 };
 use anyhow::{Context, Result};
-use end_to_end::{Line, Page, now_us};
+use end_to_end::{Frame, Line, Page, now_us};
 
 /// A rover: its left wheel is motor 1, its right wheel motor 2.
 fn rover() -> Result<Scenario> {
@@ -32,7 +32,7 @@ fn setpoints(scenario: &Scenario, since_us: u64) -> Result<[Option<i16>; 2]> {
     let wire = scenario.since(since_us)?;
     Ok([1, 2].map(|id| {
         let drives = wire.of_motor(id).drives();
-        drives.last().and_then(end_to_end::Frame::drive_setpoint)
+        drives.last().and_then(Frame::drive_setpoint)
     }))
 }
 
@@ -40,7 +40,7 @@ fn wait_for_setpoints(scenario: &Scenario, since_us: u64, wanted: [i16; 2]) -> R
     wait_for_wire(scenario, since_us, &format!("{wanted:?} rpm"), |wire| {
         [1, 2].iter().zip(wanted).all(|(id, wanted)| {
             let drives = wire.of_motor(*id).drives();
-            drives.last().and_then(end_to_end::Frame::drive_setpoint) == Some(wanted)
+            drives.last().and_then(Frame::drive_setpoint) == Some(wanted)
         })
     })?;
     Ok(())
@@ -69,6 +69,35 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
     Ok(())
 }
 
+/// One motor is driven in the current loop. It stops first, and then both start.
+#[test]
+fn a_group_starts_from_another_loop() -> Result<()> {
+    let scenario = rover()?;
+    let page = &scenario.page;
+    page.click("radio", "Motor")?;
+    page.click("tab", "Current")?;
+    page.fill("spinbutton", "Target current", "0.5")?;
+    page.click("button", "Start")?;
+    page.wait_for_text("status", "Mode", |text| text.contains("Current loop"))?;
+    page.click("radio", "Group")?;
+    let pressed = now_us();
+    page.click("button", "Start group")?;
+    wait_for_setpoints(&scenario, pressed, [80, -80])?;
+    let drives = scenario.since(pressed)?.of_motor(1).drives();
+    let braked = drives.frames.iter().position(Frame::brakes);
+    let driven = drives
+        .frames
+        .iter()
+        .position(|frame| frame.drive_setpoint() == Some(80));
+    assert!(braked.is_some() && braked < driven, "{drives}");
+    page.wait_for_text("status", "Mode", |text| text.contains("Velocity loop"))?;
+    let pressed = now_us();
+    page.click("button", "Stop group")?;
+    assert_both_braked(&scenario, pressed)?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
 /// Driven alone, the right wheel is counted as it is in the group: forward is +, and the wheel that is
 /// seen turns as it does.
 #[test]
@@ -82,14 +111,14 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
     page.click("button", "+100")?;
     wait_for_wire(&scenario, pressed, "-100 rpm", |wire| {
         let drives = wire.of_motor(1).drives();
-        drives.last().and_then(end_to_end::Frame::drive_setpoint) == Some(-100)
+        drives.last().and_then(Frame::drive_setpoint) == Some(-100)
     })?;
     page.wait_for_text("status", "Speed", |text| {
         text.contains("+100") && text.contains("mirrored")
     })?;
     page.wait_for_text("status", "Motion", |text| text == "Spinning CW")?;
     let drives = scenario.since(pressed)?.of_motor(1).drives();
-    let sent = drives.frames.iter().map(end_to_end::Frame::drive_setpoint);
+    let sent = drives.frames.iter().map(Frame::drive_setpoint);
     let sent: Vec<Option<i16>> = sent.collect();
     assert!(sent.iter().all(|rpm| *rpm == Some(-100)), "{sent:?}");
 
