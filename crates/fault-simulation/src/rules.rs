@@ -400,7 +400,10 @@ impl Rules {
                     self.judge(Rule::DrivenByCommandOnly);
                     self.judge(Rule::NoMoreThanCommanded);
                 }
-                Ok(Request::SetId { .. }) => self.judge(Rule::IdChangeIsProved),
+                Ok(Request::SetId { id }) => {
+                    self.liveness.gets_address(id.id());
+                    self.judge(Rule::IdChangeIsProved);
+                }
                 _ => {}
             }
         }

@@ -69,6 +69,13 @@ impl Liveness {
         self.unknown.append(&mut self.left_driven);
     }
 
+    /// A motor gets this address: of what turned, and the page knows nothing of, it may be any.
+    pub(super) fn gets_address(&mut self, id: MotorId) {
+        if !self.unknown.is_empty() {
+            self.unknown.insert(id);
+        }
+    }
+
     /// A line that was dead passes frames again. What turns, and was driven here, has missed its stop. A wheel that rests
     /// at its goal has missed none.
     pub(super) fn line_back(&mut self, now: Instant, bus: &Bus, world: &World) {
