@@ -24,7 +24,8 @@ use crate::{
     settings::BusSettings,
     stop::ActiveStop,
     timing::{
-        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTEN_BEFORE_ENABLE, SLEEP_MIN,
+        EARLY, FRESH_FOR, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTEN_BEFORE_ENABLE,
+        SLEEP_MIN,
     },
     watchdog::{Watchdog, WatchdogAction},
 };
@@ -106,6 +107,8 @@ pub struct Bus {
     pub(crate) job_retry: Option<DueFrame>,
     /// When the bus asked for the next call.
     pub(crate) call_due: Instant,
+    /// Until when a new motor may still answer a request from before this bus.
+    pub(crate) old_replies_until: Option<Instant>,
     /// During a stop, a silent motor gets its next frame after every answering motor has got one since then.
     pub(crate) silent_stopped: Option<Instant>,
     /// First stop frames to silent motors since the last frame to an answering one.
@@ -145,6 +148,7 @@ impl Bus {
             last_drive: LastDrive::Carried,
             last_late_reply: None,
             queries_from: now,
+            old_replies_until: None,
             freed_at: now,
             halted: false,
             stop: None,
@@ -176,6 +180,17 @@ impl Bus {
     pub fn into_halted(self) -> Self {
         Self {
             halted: true,
+            ..self
+        }
+    }
+
+    /// The port was open before: its adapter may still hold replies to requests of then. They are not read in the layout of
+    /// a new request.
+    #[must_use]
+    pub fn after_another(self, now: Instant) -> Self {
+        Self {
+            // Separate frames say which request they answer.
+            old_replies_until: (!self.model.has_separate_frames()).then_some(now + FRESH_FOR),
             ..self
         }
     }
@@ -346,6 +361,8 @@ impl Bus {
                     .filter(|sent| now.since(*sent) < ID_QUERY_FORGOTTEN);
                 if let Some(sent) = last_id_query {
                     motor.id_query_unanswered(sent);
+                } else if self.old_replies_until.is_some_and(|until| now < until) {
+                    motor.unknown_frame_unanswered(now);
                 }
                 self.motors.push(motor);
                 self.motors.len() - 1

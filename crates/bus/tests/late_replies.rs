@@ -2,7 +2,7 @@
 
 use crate::fixture;
 use crate::fixture::{Fixture, ID, degrees, ms, rpm};
-use motorlink_bus::{Command, Event, LineEventKind};
+use motorlink_bus::{Bus, Command, Event, LineEventKind};
 use motorlink_protocol::{Detail, Frame, Mode};
 use motorlink_simulator::{WireFaults, WorldConfig};
 
@@ -30,6 +30,26 @@ fn a_late_reply_is_not_read_in_the_layout_of_the_next_request() {
         fixture.status(ID).counters,
         fixture.bus.line_status(fixture.now).unaddressed
     );
+}
+
+/// The adapter holds the reply to the last drive frame while the port is closed and opened again.
+#[test]
+fn the_reply_to_a_request_from_before_the_port_was_opened_is_not_read_in_another_layout() {
+    for closed in [20, 54, 90] {
+        let mut fixture = Fixture::one_motor();
+        fixture.drive(rpm(60)).unwrap();
+        fixture.run(ms(300));
+        fixture.world.set_faults(WireFaults {
+            hold: ms(120),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(25));
+        fixture.bus = Bus::new(fixture.now).after_another(fixture.now);
+        fixture.sleep(ms(closed));
+        fixture.command(Command::Watch(ID)).unwrap();
+        fixture.run(ms(600));
+        fixture.assert_telemetry_is_true(closed);
+    }
 }
 
 /// Of a query and a drive frame that were both lost, either may still be answered.

@@ -201,7 +201,7 @@ impl Player {
 
     /// A new bus, as the worker creates one for an open port.
     fn plug(&mut self) {
-        let bus = Bus::with_model(self.now, self.model);
+        let bus = Bus::with_model(self.now, self.model).after_another(self.now);
         let mut bus = if self.halted { bus.into_halted() } else { bus };
         let configure = Command::Configure(self.settings);
         let watched = self.motors.iter().copied().map(Command::Watch);
@@ -623,8 +623,11 @@ impl Player {
         let is_heard = self.bus.is_some();
         let passed: Vec<_> = self.world.drain_wire_frames().collect();
         for traffic in passed {
-            if is_heard && let Sender::Motor(_) = traffic.from {
-                self.rules.replied(traffic.at, traffic.frame, &self.world);
+            if let Sender::Motor(_) = traffic.from {
+                self.rules.said(traffic.at, traffic.frame);
+                if is_heard {
+                    self.rules.replied(traffic.at, traffic.frame, &self.world);
+                }
             }
         }
     }

@@ -432,11 +432,15 @@ impl Rules {
         self.motion.moved(now, world)
     }
 
-    /// A motor replies.
-    pub(crate) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
-        self.wire.replied(at, frame);
+    /// A motor replies, whether or not a port is open. An adapter may hold the reply until one is.
+    pub(crate) fn said(&mut self, at: Instant, frame: Frame) {
         self.truth.replied(frame);
         self.invented.replied(at, frame);
+    }
+
+    /// A motor replies to an open port.
+    pub(crate) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
+        self.wire.replied(at, frame);
         self.bounds.replied(at, frame, world);
     }
 

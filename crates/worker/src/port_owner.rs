@@ -87,6 +87,9 @@ impl PortOwner {
     pub(crate) fn new_bus(&self, model: Model, line: Option<VirtualLine>) -> Bus {
         let now = self.now();
         let mut bus = Bus::with_model(now, model);
+        if line.is_none() {
+            bus = bus.after_another(now);
+        }
         if self.halted {
             bus = bus.into_halted();
         }
