@@ -173,3 +173,30 @@ async fn a_driven_motor_gets_a_name_and_keeps_its_side_and_the_data_that_comes_m
         .await;
     storage().remove_item("motorlink.fleet").unwrap();
 }
+
+#[wasm_bindgen_test]
+async fn titles_name_the_selected_motor_where_there_are_several() {
+    let bench = two_motors("titles").await;
+    let titles = || {
+        let all = document().get_elements_by_class_name("motor-title");
+        let all = (0..all.length()).filter_map(|place| all.item(place));
+        all.map(|title| title.text_content().unwrap_or_default())
+            .collect::<Vec<_>>()
+    };
+    let all_are = |title: &str| {
+        let titles = titles();
+        titles.len() == 7 && titles.iter().all(|it| it == title)
+    };
+    bench.until("the motor", || all_are("0x01")).await;
+    let name = edit(&bench, true).await;
+    name.set_value("Starboard");
+    bench.click("Save");
+    let chip = || bench.find_all("button", "Motor 0x02, Starboard");
+    bench.until("the name", || chip().len() == 1).await;
+    chip().remove(0).click();
+    bench.until("the other", || all_are("0x02 Starboard")).await;
+    report(&bench, |update| update.motors = vec![standing(2)]);
+    bench.until("no title", || all_are("")).await;
+    motorlink::Preferences::default().save();
+    storage().remove_item("motorlink.fleet").unwrap();
+}

@@ -9,7 +9,7 @@ use web_sys::{Element, HtmlElement, HtmlInputElement};
 use crate::{
     features::motors::chips::{FIGURES, Figure, chips_html, figures},
     model::{
-        names_and_sides::NamesAndSides,
+        names_and_sides::{NameAndSide, NamesAndSides},
         page::{Page, use_page},
         place::Place,
         snapshot::Session,
@@ -48,6 +48,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
         chips
     });
     offer_group(page, found);
+    write_titles(page, found);
     // HTML: views of these elements would be many times as large.
     view! {
         <section
@@ -73,6 +74,24 @@ fn content() -> String {
         r#"<div id="{CHOICE}" role="radiogroup" aria-label="{name}" hidden>{}</div><div class="motor-chips" id="{CHIPS}"></div>"#,
         radios.concat()
     )
+}
+
+/// Writes the selected motor into the titles of the wheel and of the read-outs, where there are several motors.
+fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
+    effect(move || {
+        let id = page.selected.get();
+        let is_one_of_many = found.with(|found| found.len() > 1);
+        let title = page.motors.names.with(|names| {
+            let name = names.member(id).map_or("", NameAndSide::name);
+            format!("{id} {name}")
+        });
+        let title = if is_one_of_many { title.trim_end() } else { "" };
+        // Written here, so that the first part of the page knows no names.
+        let titles = document().get_elements_by_class_name("motor-title");
+        for element in (0..titles.length()).filter_map(|place| titles.item(place)) {
+            element.set_text_content(Some(title));
+        }
+    });
 }
 
 /// Offers the group from two motors on, found or in the group.

@@ -147,6 +147,7 @@ pub(crate) fn ReadOut(
             <div class="read-out-head">
                 <span class="read-out-name" aria-hidden="true">
                     {name}
+                    <span class="motor-title"></span>
                 </span>
                 <span class="age" id=age_id.clone() title=tr!("Age of the reading")>
                     {dynamic(part(|shown| shown.age.clone()))}

@@ -44,6 +44,7 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
     view! {
         <section class="panel wheel-panel" aria-label=tr!("Wheel")>
             <p class="chip wheel-chip" class:active=driven>
+                <span class="motor-title"></span>
                 {dynamic(move || chip.get())}
             </p>
             <DigitalTwin feed=readings.twin model=page.model clock=page.worker.clock />
