@@ -59,10 +59,12 @@ impl Features {
     /// Shows a state of the line, or of the recording that is shown in its place.
     pub(crate) fn update(self, update: &Update) {
         let before = self.page.latest.with_value(|session| session.connection);
-        let lines = self
-            .page
-            .latest
-            .with_value(|session| untranslated(|| log_lines::of_update(session, update)));
+        let lines = self.page.latest.with_value(|session| {
+            let names = self.page.motors.names;
+            names.with_untracked(|names| {
+                untranslated(|| log_lines::of_update(session, update, names))
+            })
+        });
         for line in lines {
             self.page.log(update.now, line);
         }

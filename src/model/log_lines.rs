@@ -10,6 +10,8 @@ use motorlink_messages::{
 
 use crate::{
     model::{
+        mirror::Mirror,
+        names_and_sides::NamesAndSides,
         notice_board::{NoticeText, Tone, Topic},
         notice_texts::of_stop_reason,
         snapshot::Session,
@@ -54,13 +56,20 @@ pub(crate) fn of_notice(words: &NoticeText) -> Line {
     }
 }
 
-/// The messages of an update without its notices: the port, and motors that start to be driven or switched.
-pub(crate) fn of_update(before: &Session, update: &Update) -> Vec<Line> {
+/// The messages of an update without its notices: the port, and motors that start to be driven or switched. Setpoints
+/// have the signs that the operator sees; those of frames have the signs of the wire.
+pub(crate) fn of_update(before: &Session, update: &Update, names: &NamesAndSides) -> Vec<Line> {
     let mut lines = Vec::new();
     lines.extend(of_connection(before.connection, update.connection));
     for motor in &update.motors {
         let activity_before = before.motor(motor.id).map(|motor| motor.activity);
-        lines.extend(of_activity(motor.id, activity_before, motor.activity));
+        let mirror = names.mirror(motor.id);
+        lines.extend(of_activity(
+            motor.id,
+            mirror,
+            activity_before,
+            motor.activity,
+        ));
     }
     lines
 }
@@ -82,7 +91,12 @@ fn of_connection(before: Connection, after: Connection) -> Option<Line> {
 }
 
 /// The start of driving. Later setpoints are in the frames.
-fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option<Line> {
+fn of_activity(
+    id: MotorId,
+    mirror: Mirror,
+    before: Option<Activity>,
+    after: Activity,
+) -> Option<Line> {
     let driven_before = matches!(before, Some(Activity::Driven { .. }));
     match after {
         Activity::Driven { .. } if driven_before => None,
@@ -90,7 +104,7 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
             setpoint: Setpoint::Brake,
         } => Some(calm(tr!("Motor {id}: brake on", id))),
         Activity::Driven { setpoint } => {
-            let goal = format::goal(setpoint);
+            let goal = format::goal(mirror.setpoint(setpoint));
             Some(calm(tr!("Motor {id} is running: {goal}", id, goal)))
         }
         Activity::Switching { to } if before != Some(after) => Some(calm(tr!(
@@ -156,6 +170,7 @@ mod tests {
 
     use super::*;
     use crate::model::{
+        names_and_sides::Side,
         notice_texts,
         snapshot::tests::{ID, session, status},
     };
@@ -177,7 +192,7 @@ mod tests {
     }
 
     fn texts(before: &Session, update: &Update) -> Vec<String> {
-        let lines = of_update(before, update).into_iter();
+        let lines = of_update(before, update, &NamesAndSides::default()).into_iter();
         lines.map(|line| line.text).collect()
     }
 
@@ -201,6 +216,21 @@ mod tests {
         assert!(texts(&before, &connected).is_empty());
         let closed = update(Connection::Disconnected, Activity::Idle);
         assert_eq!(texts(&before, &closed), ["Disconnected"]);
+    }
+
+    #[test]
+    fn a_setpoint_has_the_sign_that_the_operator_sees() {
+        let mut names = NamesAndSides::default();
+        names.change(ID, |member| member.side = Side::Right);
+        let before = session(1_000, status(1_000, Mode::Velocity, 0));
+        let setpoint = Setpoint::velocity(SpeedTarget::clamped(-100));
+        let port = Connection::Connected(Adapter::VIRTUAL);
+        let begins = update(port, Activity::Driven { setpoint });
+        let lines = of_update(&before, &begins, &names);
+        assert!(
+            lines.contains(&calm("Motor 0x01 is running: +100 rpm")),
+            "{lines:?}"
+        );
     }
 
     #[test]
