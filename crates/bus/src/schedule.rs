@@ -111,7 +111,8 @@ pub(crate) fn next_turn(
     .map(|(at, id)| (at, DueFrame::Switch(id)));
     let driven = motors.iter().filter(|motor| motor.is_driven());
     let driven = u32::try_from(driven.count()).unwrap_or(u32::MAX);
-    let may_ask = unasked_until(motors).is_none_or(|until| now >= until);
+    let unasked_until = unasked_until(motors);
+    let may_ask = unasked_until.is_none_or(|until| now >= until);
     let asks_instead = |motor: &Motor| {
         let until = motor.asks_instead_until(now, driven);
         until.filter(|_| may_ask)
@@ -133,9 +134,12 @@ pub(crate) fn next_turn(
     let another_waits = |urgent: &Motor| {
         regular.is_some_and(|(at, id)| id != urgent.id && now >= at + TEMPERATURE_OLD)
     };
-    let (query, queries_from) = match urgent.filter(|urgent| !another_waits(urgent)) {
-        Some(urgent) => (Some((now - QUERY_PATIENCE, urgent.id)), now),
-        None => (regular, queries_from),
+    let waiting = regular.map(|(at, id)| (unasked_until.map_or(at, |until| until.max(at)), id));
+    let (query, queries_from) = match urgent {
+        Some(urgent) if !another_waits(urgent) => (Some((now - QUERY_PATIENCE, urgent.id)), now),
+        // The queries of urgent motors, which come one after the other, do not put off that of the one that waits.
+        Some(_) => (waiting, now),
+        None => (waiting, queries_from),
     };
 
     // The reply window of a silent motor may be as long as the time between its frames. So at most one switch or
@@ -226,8 +230,8 @@ fn unasked_until(motors: &[Motor]) -> Option<Instant> {
     silences.filter_map(Silence::unasked_until).max()
 }
 
+/// The motor that has waited longest for its query, and since when.
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
-    let unasked_until = unasked_until(motors);
     earliest(motors, |motor| {
         // A stop queries the motor by itself.
         if let Control::Stopping(_) = motor.control {
@@ -238,8 +242,7 @@ fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
             .late
             .drive_expected_until()
             .unwrap_or(motor.next_query);
-        let at = motor.next_query.max(clear_at.min(patience));
-        Some(unasked_until.map_or(at, |until| until.max(at)))
+        Some(motor.next_query.max(clear_at.min(patience)))
     })
 }
 

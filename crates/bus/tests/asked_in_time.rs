@@ -2,7 +2,7 @@
 
 use std::{iter, time::Duration};
 
-use crate::fixture::{Fixture, ID, amps, driven_models, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, Sent, amps, driven_models, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Instant, Mode, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};
@@ -184,5 +184,38 @@ fn a_motor_beside_one_that_names_its_loop_too_late_is_asked_four_times_a_second(
         let ends: Vec<Instant> = iter::once(from).chain(asked).chain([fixture.now]).collect();
         let gap = longest_gap(&ends);
         assert!(gap <= ms(250), "phase {phase}: {gap:?}");
+    }
+}
+
+/// Of two driven motors one is silent at nearly all times. While it is, the line carries no query, and behind that all
+/// queries are due at once: the first motors took them all.
+#[test]
+fn two_driven_motors_on_a_lossy_line_leave_the_third_its_queries() {
+    let ids = [1, 2, 3].map(id);
+    for seed in 0..20 {
+        let mut fixture = Fixture::watching(WorldConfig::with_ids(ids), &ids);
+        at_rate(&mut fixture, 292);
+        fixture.run(ms(500 + 37 * seed));
+        fixture.world.set_faults(losing(0.45));
+        let third = id(3);
+        let end = fixture.now + ms(10_000);
+        let mut longest = Duration::ZERO;
+        while fixture.now < end {
+            for (driven, speed) in [(1, -176), (2, -124)] {
+                let _ = fixture.command(Command::Drive {
+                    id: id(driven),
+                    setpoint: rpm(speed),
+                    consent: Consent::None,
+                });
+            }
+            fixture.run(ms(50));
+            if !fixture.status(third).silent {
+                let asked = |sent: &&Sent| sent.frame.bytes()[0] == 3;
+                let last = fixture.sent.iter().rev().find(asked);
+                let at = last.map_or(fixture.now, |sent| sent.at);
+                longest = longest.max(fixture.now.since(at));
+            }
+        }
+        assert!(longest <= ms(1_000), "{seed}: {longest:?}");
     }
 }
