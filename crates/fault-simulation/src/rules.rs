@@ -415,6 +415,13 @@ impl Rules {
         self.wire.refused(now, frame, bytes, reported);
         self.asked.excused(now);
         self.liveness.disturbed();
+        // The bus takes for sent what was truncated without a word: the motor has had the first frame of its stop.
+        if !reported
+            && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
+                Request::parse(self.model, &frame)
+        {
+            self.stops.remove(&id);
+        }
         // The bus sends another first.
         for until in self.stops.values_mut() {
             *until = *until + REFUSED_COSTS;
