@@ -27,6 +27,7 @@ mod raw_frames;
 mod reflow;
 mod rover;
 mod runs;
+mod scale;
 mod scanning;
 mod security;
 mod session;
