@@ -79,14 +79,14 @@ impl Judge {
         })
     }
 
-    /// Judges what is on the screen in every theme and width. Chinese words are the shortest, so that a phone has
-    /// room for whatever has room on a desk.
+    /// Judges what is on the screen in every theme, and in English in both widths. In the other languages only the words
+    /// differ.
     fn screen(&mut self, name: &str) -> Result<()> {
         let views = [("phone", View::PHONE), ("desktop", View::DESKTOP)];
-        let judged = if self.language == Language::Chinese {
-            &views[..1]
+        let judged = if self.language == Language::English {
+            &views[..]
         } else {
-            &views
+            &views[..1]
         };
         self.screen_in(name, judged)
     }
