@@ -24,8 +24,7 @@ use crate::{
     settings::BusSettings,
     stop::ActiveStop,
     timing::{
-        EARLY, FRESH_FOR, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTEN_BEFORE_ENABLE,
-        SLEEP_MIN,
+        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTEN_BEFORE_ENABLE, SLEEP_MIN,
     },
     watchdog::{Watchdog, WatchdogAction},
 };
@@ -167,49 +166,6 @@ impl Bus {
             silent_firsts: 0,
             events: VecDeque::from([Event::Line(LineEvent { at: now, kind })]),
         }
-    }
-
-    /// A bus that starts halted, as after Stop all motors: nothing drives until Release.
-    #[must_use]
-    pub fn halted(now: Instant) -> Self {
-        Self::new(now).into_halted()
-    }
-
-    /// This bus, halted.
-    #[must_use]
-    pub fn into_halted(self) -> Self {
-        Self {
-            halted: true,
-            ..self
-        }
-    }
-
-    /// The port was open before: its adapter may still hold replies to requests of then. They are not read in the layout of
-    /// a new request.
-    #[must_use]
-    pub fn after_another(self, now: Instant) -> Self {
-        Self {
-            // Separate frames say which request they answer.
-            old_replies_until: (!self.model.has_separate_frames()).then_some(now + FRESH_FOR),
-            ..self
-        }
-    }
-
-    /// Puts the bus on trial until [`Bus::end_trial`]. The bus then enables no motor: the port may be the wrong one,
-    /// and another host may drive its motors. In the velocity loop they would read that host's angles as speeds.
-    #[must_use]
-    pub fn on_trial(self) -> Self {
-        Self {
-            enables_from: None,
-            ..self
-        }
-    }
-
-    /// Ends the trial: the port is the wanted one.
-    pub fn end_trial(&mut self, now: Instant) {
-        self.enables_from.get_or_insert(now + LISTEN_BEFORE_ENABLE);
-        // Text heard during the trial was not reported to the user.
-        self.text.report_again();
     }
 
     /// The page has answered its ping.

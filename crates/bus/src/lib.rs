@@ -51,6 +51,7 @@ mod model;
 mod motor;
 mod motor_status;
 mod next_request;
+mod opening;
 mod other_bytes;
 mod packet_log;
 mod pending_transmit;

@@ -1,0 +1,53 @@
+//! What a bus knows of the port that was just opened.
+
+use motorlink_protocol::Instant;
+
+use crate::{
+    bus::Bus,
+    timing::{FRESH_FOR, LISTEN_BEFORE_ENABLE},
+};
+
+impl Bus {
+    /// A bus that starts halted, as after Stop all motors: nothing drives until Release.
+    #[must_use]
+    pub fn halted(now: Instant) -> Self {
+        Self::new(now).into_halted()
+    }
+
+    /// This bus, halted.
+    #[must_use]
+    pub fn into_halted(self) -> Self {
+        Self {
+            halted: true,
+            ..self
+        }
+    }
+
+    /// The port was open before: its adapter may still hold replies to requests of then. They are not read in the layout of
+    /// a new request.
+    #[must_use]
+    pub fn after_another(self, now: Instant) -> Self {
+        Self {
+            // Separate frames say which request they answer.
+            old_replies_until: (!self.model.has_separate_frames()).then_some(now + FRESH_FOR),
+            ..self
+        }
+    }
+
+    /// Puts the bus on trial until [`Bus::end_trial`]. The bus then enables no motor: the port may be the wrong one,
+    /// and another host may drive its motors. In the velocity loop they would read that host's angles as speeds.
+    #[must_use]
+    pub fn on_trial(self) -> Self {
+        Self {
+            enables_from: None,
+            ..self
+        }
+    }
+
+    /// Ends the trial: the port is the wanted one.
+    pub fn end_trial(&mut self, now: Instant) {
+        self.enables_from.get_or_insert(now + LISTEN_BEFORE_ENABLE);
+        // Text heard during the trial was not reported to the user.
+        self.text.report_again();
+    }
+}
