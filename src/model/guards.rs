@@ -75,7 +75,7 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
         .then(|| terms::refusal(Refusal::FaultActive { id, faults }))
 }
 
-/// Why this motor cannot be driven at once, without a stop or a switch before: by a run.
+/// Why a run cannot drive this motor at once, without a stop or a switch.
 pub(crate) fn in_loop_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
     if let Some(reason) = drive_blocked_by(session, id, mode) {
         return Some(reason);
@@ -118,7 +118,7 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
     first_blocked(members, &|id| drive_blocked_by(session, id, Mode::Velocity))
 }
 
-/// Why these motors cannot be steered as a vehicle now. What is held drives at once, or not at all.
+/// Why these motors cannot be steered as a vehicle now. The drive pad never waits.
 pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
     if let Some(reason) = group_drive_blocked_by(session, members) {
         return Some(reason);

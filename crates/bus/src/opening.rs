@@ -23,8 +23,8 @@ impl Bus {
         }
     }
 
-    /// The port was open before: its adapter may still hold replies to requests of then. They are not read in the layout of
-    /// a new request.
+    /// Expects late replies to requests from before this bus: the adapter may still hold them. They are not read in the
+    /// layout of a new request.
     #[must_use]
     pub fn after_another(self, now: Instant) -> Self {
         Self {

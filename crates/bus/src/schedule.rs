@@ -137,7 +137,7 @@ pub(crate) fn next_turn(
     let waiting = regular.map(|(at, id)| (unasked_until.map_or(at, |until| until.max(at)), id));
     let (query, queries_from) = match urgent {
         Some(urgent) if !another_waits(urgent) => (Some((now - QUERY_PATIENCE, urgent.id)), now),
-        // The queries of urgent motors, which come one after the other, do not put off that of the one that waits.
+        // Queries of urgent motors do not delay the query of the motor that waits.
         Some(_) => (waiting, now),
         None => (waiting, queries_from),
     };

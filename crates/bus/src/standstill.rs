@@ -31,7 +31,7 @@ struct Angles {
     /// The angle with which the newest is compared, and the one that takes its place later.
     compared: Option<[(Instant, f32); 2]>,
     newest: Option<Instant>,
-    /// When two angles between which no whole turn fits last followed each other.
+    /// When two angles last arrived so close together that no whole turn fits between them.
     close: Option<Instant>,
     stands: bool,
 }
@@ -67,6 +67,7 @@ impl Angles {
 
     fn begin(&mut self, at: Instant, degrees: f32) {
         self.compared = Some([(at, degrees); 2]);
+        self.close = None;
         self.stands = false;
     }
 
@@ -75,7 +76,7 @@ impl Angles {
         self.stands && self.newest.is_some_and(is_fresh)
     }
 
-    /// The same, and no wheel that makes one turn from angle to angle looks so.
+    /// Like `stands`, but rules out whole turns between two angles.
     fn stands_for_certain(&self, now: Instant) -> bool {
         let is_recent = |close| now.since(close) <= COMPARED_MAX;
         self.stands(now) && self.close.is_some_and(is_recent)
@@ -237,6 +238,17 @@ mod tests {
             assert!(standstill.by_angle(now), "{period_ms}");
             assert_eq!(standstill.for_certain(now), certain, "{period_ms}");
         }
+    }
+
+    /// Two replies are lost, so that the only close pair is one that shows motion.
+    #[test]
+    fn angles_that_show_motion_make_no_later_one_certain() {
+        let mut standstill = Standstill::default();
+        for ms in [0_u16, 100, 400] {
+            let degrees = 200.0 * 6.0 * f32::from(ms) / 1_000.0;
+            standstill.record(Instant::from_millis(ms.into()), &reply(0, coarse(degrees)));
+        }
+        assert!(!standstill.for_certain(Instant::from_millis(400)));
     }
 
     /// 300 rpm are one turn in 200 ms.

@@ -9,7 +9,7 @@ use motorlink_protocol::{
 
 use crate::{
     event::{StopOutcome, StopReason, StopReport},
-    group::starting::WaitingGroup,
+    group::waiting::WaitingGroup,
     safety::{StopPlan, stop_plan},
     start::Start,
     timing::{

@@ -333,3 +333,20 @@ fn each_model_is_driven_as_a_group_in_time() {
         }
     }
 }
+
+#[test]
+fn a_scan_that_is_cancelled_before_the_stop_ends_starts_nothing() {
+    for cancel in [Command::CancelJob, Command::Stop(id(3))] {
+        let mut fixture = rover();
+        fixture.command(start([100, -100, 50])).unwrap();
+        fixture.run(ms(10));
+        assert!(waits(&fixture));
+        fixture.command(Command::FullScan).unwrap();
+        assert!(!waits(&fixture), "{cancel:?}");
+        fixture.command(cancel).unwrap();
+        fixture.run(ms(4_000));
+        assert!(moving_frames(&fixture).is_empty(), "{cancel:?}");
+        let refused = why_not(&fixture).map(|(_, refusal)| refusal);
+        assert_eq!(refused, Some(Refusal::JobRunning), "{cancel:?}");
+    }
+}

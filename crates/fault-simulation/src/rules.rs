@@ -415,7 +415,7 @@ impl Rules {
         self.wire.refused(now, frame, bytes, reported);
         self.asked.excused(now);
         self.liveness.disturbed();
-        // The bus takes for sent what was truncated without a word: the motor has had the first frame of its stop.
+        // The bus counts a silently truncated frame as sent: the motor has had the first frame of its stop.
         if !reported
             && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
                 Request::parse(self.model, &frame)

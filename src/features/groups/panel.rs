@@ -115,7 +115,8 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
 /// What the start of these motors waits for; nothing if it does not wait.
 fn stage_of_start(session: &Session, members: &GroupMembers) -> Option<String> {
     let mut motors = members.iter().filter_map(|(id, _)| session.motor(*id));
-    let is_waiting = motors.any(|motor| motor.waiting.is_some() && is_stopping(motor));
+    let is_waiting =
+        !members.is_empty() && motors.all(|motor| motor.waiting.is_some() && is_stopping(motor));
     is_waiting.then(|| tr!("Stopping the wheels, then the group starts.").to_owned())
 }
 

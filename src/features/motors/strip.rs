@@ -86,7 +86,7 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
             format!("{id} {name}")
         });
         let title = if is_one_of_many { title.trim_end() } else { "" };
-        // Written here, so that the first part of the page knows no names.
+        // Written here, so that the first part of the page needs no code for names.
         let titles = document().get_elements_by_class_name("motor-title");
         for element in (0..titles.length()).filter_map(|place| titles.item(place)) {
             element.set_text_content(Some(title));

@@ -2,4 +2,5 @@
 
 mod control;
 pub(crate) mod setpoints;
-pub(crate) mod starting;
+mod starting;
+pub(crate) mod waiting;

@@ -7,18 +7,11 @@ use crate::{
     command::Consent,
     driving::is_rest,
     event::{Event, StopOutcome, StopReason},
-    group::setpoints::GroupSetpoints,
+    group::{setpoints::GroupSetpoints, waiting::WaitingGroup},
     motor::{Control, Motor},
     refusal::Refusal,
     safety::Known,
 };
-
-/// A group that a person has started, and that waits for a stop.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WaitingGroup {
-    pub(crate) setpoints: GroupSetpoints,
-    consent: Consent,
-}
 
 impl Bus {
     /// Drives all motors, or refuses and drives none. If one is in another loop, or is being stopped, all stop first.
@@ -84,12 +77,38 @@ impl Bus {
         let is_unconfirmed =
             |outcome: &&StopOutcome| setpoints.has(outcome.id) && !outcome.confirmed;
         let unconfirmed = outcomes.iter().find(is_unconfirmed);
-        let started = match unconfirmed {
-            Some(outcome) => Err(Refusal::NotStopped(outcome.id)),
-            None => self.drive_group(now, &setpoints, consent),
-        };
-        if let (Err(refusal), Some((id, _))) = (started, setpoints.entries().next()) {
+        match unconfirmed {
+            Some(&StopOutcome { id, .. }) => {
+                let refusal = Refusal::NotStopped(id);
+                self.events.push_back(Event::NotStarted { id, refusal });
+            }
+            None => {
+                if let Err(refusal) = self.drive_group(now, &setpoints, consent) {
+                    self.group_not_started(&setpoints, refusal);
+                }
+            }
+        }
+    }
+
+    fn group_not_started(&mut self, setpoints: &GroupSetpoints, refusal: Refusal) {
+        if let Some((id, _)) = setpoints.entries().next() {
             self.events.push_back(Event::NotStarted { id, refusal });
+        }
+    }
+
+    /// A job takes the line: nothing that waits for a stop starts behind it.
+    pub(crate) fn end_starts_for_job(&mut self) {
+        for motor in &mut self.motors {
+            if let Control::Stopping(stop) = &mut motor.control
+                && stop.then.take().is_some()
+            {
+                let (id, refusal) = (motor.id, Refusal::JobRunning);
+                self.events.push_back(Event::NotStarted { id, refusal });
+            }
+        }
+        let group = self.stop.as_mut().and_then(|stop| stop.then_group.take());
+        if let Some(group) = group {
+            self.group_not_started(&group.setpoints, Refusal::JobRunning);
         }
     }
 
@@ -102,7 +121,7 @@ impl Bus {
         self.stop.as_ref()?.then_group.as_ref()
     }
 
-    /// The newest start counts: what a motor of the group waits for alone is over.
+    /// The newest start wins: it clears what its motors wait for alone.
     fn set_waiting(&mut self, setpoints: &GroupSetpoints, consent: Consent) {
         for motor in &mut self.motors {
             if let Control::Stopping(stop) = &mut motor.control

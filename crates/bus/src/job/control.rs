@@ -52,6 +52,7 @@ impl Bus {
 
     /// Stops motors that are driven or may turn, so that the line is free.
     pub(crate) fn stop_for_job(&mut self, now: Instant) {
+        self.end_starts_for_job();
         if let Some(raw) = &mut self.raw {
             raw.stop();
         }

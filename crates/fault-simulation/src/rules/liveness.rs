@@ -69,7 +69,7 @@ impl Liveness {
         self.unknown.append(&mut self.left_driven);
     }
 
-    /// A motor gets this address: of what turned, and the page knows nothing of, it may be any.
+    /// A motor gets a new ID. If an unknown motor turns, it may be this one.
     pub(super) fn gets_address(&mut self, id: MotorId) {
         if !self.unknown.is_empty() {
             self.unknown.insert(id);
