@@ -84,12 +84,15 @@ fn a_group_starts_from_another_loop() -> Result<()> {
     page.click("button", "Start group")?;
     wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let drives = scenario.since(pressed)?.of_motor(1).drives();
-    let braked = drives.frames.iter().position(Frame::brakes);
-    let driven = drives
+    let first_brake = drives.frames.iter().position(Frame::brakes);
+    let first_drive = drives
         .frames
         .iter()
         .position(|frame| frame.drive_setpoint() == Some(80));
-    assert!(braked.is_some() && braked < driven, "{drives}");
+    assert!(
+        first_brake.is_some() && first_brake < first_drive,
+        "{drives}"
+    );
     page.wait_for_text("status", "Mode", |text| text.contains("Velocity loop"))?;
     let pressed = now_us();
     page.click("button", "Stop group")?;
