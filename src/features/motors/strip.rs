@@ -89,7 +89,14 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
         // Written here, so that the first part of the page needs no code for names.
         let titles = document().get_elements_by_class_name("motor-title");
         for element in (0..titles.length()).filter_map(|place| titles.item(place)) {
-            element.set_text_content(Some(title));
+            // The words of the wheel follow it.
+            let is_chip = element.closest(".wheel-chip").ok().flatten().is_some();
+            let separator = if is_chip && !title.is_empty() {
+                " · "
+            } else {
+                ""
+            };
+            element.set_text_content(Some(&(title.to_owned() + separator)));
         }
     });
 }

@@ -20,8 +20,11 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
     let middle = samples.len() / 2;
     samples[middle].reply.speed = Some(Rpm::new(300));
     report(&bench, samples);
+    let current = colour_of(&bench, "--current");
     bench
-        .until("a line", || !rows_of(&canvas, speed, 20).is_empty())
+        .until("both lines", || {
+            [speed, current].map(|colour| !rows_of(&canvas, colour, 20).is_empty()) == [true; 2]
+        })
         .await;
     // The upper pane, from 350 down to 50.
     let (top, height) = pane(&canvas, 0, 2);
@@ -34,7 +37,7 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
     assert!(spike.abs_diff(top + height / 6) <= 2, "{spike} of {height}");
     // The current has a pane of its own below, from 0.1 to -0.1.
     let (top, height) = pane(&canvas, 1, 2);
-    let line = rows_of(&canvas, colour_of(&bench, "--current"), 20)[0];
+    let line = rows_of(&canvas, current, 20)[0];
     assert!(line.abs_diff(top + height / 2) <= 2, "{line} of {height}");
 }
 

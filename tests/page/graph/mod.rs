@@ -165,7 +165,8 @@ fn rows_of(canvas: &HtmlCanvasElement, colour: [u8; 3], least: usize) -> Vec<usi
             green.abs_diff(colour[1]),
             blue.abs_diff(colour[2]),
         ];
-        *opacity > 200 && differences.iter().all(|difference| *difference < 12)
+        // A line between two rows of pixels covers each in part.
+        *opacity > 120 && differences.iter().all(|difference| *difference < 12)
     };
     let pixels = pixels(canvas);
     let rows = pixels.chunks_exact(canvas.width() as usize);
