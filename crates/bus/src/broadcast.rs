@@ -11,7 +11,7 @@ use crate::{
     raw::frame::addressee,
     raw::status::RawAnswer,
     receiver::{OtherBytes, ReceivedReply, STRAY_BYTES_MAX, Segment},
-    replies::micros,
+    timing::micros,
 };
 
 impl Bus {

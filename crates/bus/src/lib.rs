@@ -62,6 +62,7 @@ mod raw;
 mod receiver;
 mod refusal;
 mod replies;
+mod reply_effect;
 mod reply_window;
 mod round_trip;
 mod safety;

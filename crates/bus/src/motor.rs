@@ -3,19 +3,17 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Celsius, Current, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
-    family::{Model, Reading},
+    Celsius, Current, Detail, Instant, Mode, MotorId, Position, Reply, Rpm, family::Model,
 };
 
 use crate::{
-    angle_estimate::{AngleEstimate, Hold},
+    angle_estimate::AngleEstimate,
     angle_filter::AngleFilter,
     counters::{Counters, LossMeter, MissedRounds},
     late_replies::LateReplies,
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
     model::separate::Separate,
-    ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
     sample::Sample,
@@ -23,18 +21,21 @@ use crate::{
     standstill::Standstill,
     stop::Stopping,
     temperature_filter::TemperatureFilter,
-    timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP},
     torque::Torque,
     turning_unasked::TurningUnasked,
     turns::TurnCounter,
 };
 
 mod asking;
+mod driven;
 mod known;
 mod loops;
+mod replying;
 mod rest;
 
+pub(crate) use driven::Driven;
 pub(crate) use rest::Rest;
+
 /// What the bus does with a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Control {
@@ -43,63 +44,6 @@ pub(crate) enum Control {
     Switching(Switch),
     Driven(Driven),
     Stopping(Stopping),
-}
-
-/// An active setpoint of the operator.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Driven {
-    pub(crate) goal: Setpoint,
-    /// When driving began; silence counts from here at the earliest.
-    pub(crate) since: Instant,
-    pub(crate) next_frame: Instant,
-    /// Whether no frame has gone out since the last command.
-    pub(crate) is_new: bool,
-    /// When the next frame is due without any delay so far.
-    pub(crate) on_schedule: Instant,
-    /// Since Hold, until a reply within 40 ms refines the angle.
-    pub(crate) hold: Option<Hold>,
-    /// Number of the group that the motor is driven in.
-    pub(crate) group: Option<u32>,
-    /// The speed that was sent last.
-    pub(crate) ramped: Ramped,
-    /// The time without drive frames, until the next one is sent.
-    pub(crate) silence: Option<Silence>,
-}
-
-impl Driven {
-    /// Starts driving, from the present speed of the wheel.
-    pub(crate) fn begin(now: Instant, goal: Setpoint, speed: Option<Rpm>) -> Self {
-        Self {
-            goal,
-            since: now,
-            next_frame: now,
-            is_new: true,
-            on_schedule: now,
-            hold: None,
-            group: None,
-            ramped: Ramped::from(now, speed),
-            silence: None,
-        }
-    }
-
-    /// When the next drive frame is due.
-    pub(crate) fn frame_due(&self) -> Instant {
-        let withheld_until = self.silence.map(Silence::until);
-        withheld_until.map_or(self.next_frame, |until| until.max(self.next_frame))
-    }
-
-    /// Since when silence of the motor counts, at the earliest: without requests it has nothing to answer.
-    pub(crate) fn silent_from(&self) -> Instant {
-        let unasked_until = self.silence.and_then(Silence::unasked_until);
-        unasked_until.map_or(self.since, |until| until.max(self.since))
-    }
-
-    /// Ends a time without drive frames.
-    pub(crate) fn end_silence(&mut self, now: Instant) {
-        if let Some(silence) = &mut self.silence {
-            silence.end(now);
-        }
-    }
 }
 
 /// A mode switch that no reply has confirmed yet.
@@ -283,35 +227,6 @@ impl Motor {
         }
     }
 
-    /// The layout in which to read its reply to a request in `layout`; `None` if that is uncertain.
-    pub(crate) fn layout_of(
-        &mut self,
-        now: Instant,
-        reply: Reply,
-        layout: Layout,
-    ) -> Option<Layout> {
-        let layout = self.late.layout_of_reply(now, layout)?;
-        let reply = reply.in_layout(Some(layout));
-        let speed = reply.speed?;
-        let certain = self.late.all_answered_in_time();
-        let (degrees, fits) = match reply.detail {
-            Detail::Query {
-                temperature,
-                position,
-            } => {
-                let fits = self.temperature_filter.accepts(now, temperature, certain);
-                (position.degrees(), fits)
-            }
-            Detail::Drive { position } => (position.degrees(), true),
-            Detail::Undetermined(_) | Detail::Temperature(_) | Detail::Odometry { .. } => {
-                return Some(layout);
-            }
-        };
-        // Both filters see every reading.
-        let follows = self.angle_filter.accepts(now, degrees, speed, certain);
-        (fits && follows).then_some(layout)
-    }
-
     /// The active setpoint, if the motor is driven.
     pub(crate) fn driven_mut(&mut self) -> Option<&mut Driven> {
         match &mut self.control {
@@ -351,47 +266,6 @@ impl Motor {
             Control::Driven(driven) => driven.group,
             _ => None,
         }
-    }
-
-    pub(crate) fn lost(&mut self, now: Instant, layout: Layout, sent: Instant) {
-        self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
-        self.lost_in_a_row = self.lost_in_a_row.saturating_add(1);
-        self.late.unanswered(layout, sent, self.unanswered_in_a_row);
-        let silent_for = now.since(self.silent_since());
-        // Three lost replies in a row are not enough: with 15 % of replies lost, this happens once in 300 frames.
-        let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
-        self.separate.unanswered(may_be_off);
-        if may_be_off && matches!(self.control, Control::Stopping(_)) {
-            self.rest.wait_for_reply();
-        }
-    }
-
-    /// Whether this reading cannot follow the last one: its temperature has jumped, or its angle is back at zero. Then
-    /// the frame, which is identical to its request or begins like it, is an echo.
-    pub(crate) fn contradicts(&self, now: Instant, reading: &Reading) -> bool {
-        match reading {
-            Reading::Drive(reading) => self.temperature.is_some_and(|(at, before)| {
-                let jump = before.degrees().abs_diff(reading.temperature.degrees());
-                jump > TEMPERATURE_JUMP && now.since(at) < FRESH_FOR
-            }),
-            Reading::Odometry(reading) => {
-                let is_zero = reading.turns == 0 && reading.position.raw() == 0;
-                is_zero && self.separate.is_far_from_zero(now)
-            }
-            Reading::Combined(_) | Reading::Mode(_) => false,
-        }
-    }
-
-    /// Records an ID query without an answer of this motor. Its answer has the layout of a drive
-    /// reply.
-    pub(crate) fn id_query_unanswered(&mut self, sent: Instant) {
-        self.late.id_query_unanswered(sent);
-    }
-
-    /// Records an unknown frame without a reply of this motor. Its reply may have either layout.
-    pub(crate) fn unknown_frame_unanswered(&mut self, sent: Instant) {
-        self.late.unanswered(Layout::Drive, sent, 1);
-        self.late.unanswered(Layout::Query, sent, 1);
     }
 
     /// Whether it was driven and no reply has reported standstill since.

@@ -1,6 +1,7 @@
 //! Echoes, junk, cut frames and several replies in the received bytes.
 
 use super::*;
+use motorlink_protocol::family::Reading;
 
 const QUERY: &str = "01 74 00 00 00 00 00 00 00 04";
 const REPLY: &str = "01 02 00 0A 00 00 20 F6 00 4A";

@@ -1,9 +1,7 @@
 //! Replies: matches received bytes to the exchange in flight and updates the motors.
 
-use std::time::Duration;
-
 use motorlink_protocol::{
-    FRAME_LEN, Frame, Instant, Mode, MotorId, Reply, Setpoint,
+    FRAME_LEN, Frame, Instant, Mode, MotorId, Reply,
     family::{Layout, Reading},
 };
 
@@ -14,12 +12,13 @@ use crate::{
     job::state::Job,
     line_event::JunkBytes,
     line_use::Use,
-    motor::{Control, Motor},
+    motor::Control,
     probe::ProbeResult,
     raw::status::RawAnswer,
     receiver::{BLOCK, Found, ReceivedReply},
+    reply_effect::{act_on_reply, as_reply},
     sample::Sample,
-    timing::{AMBIGUITY_QUIET, LATE, MIN_WINDOW, earliest_reply},
+    timing::{AMBIGUITY_QUIET, LATE, MIN_WINDOW, earliest_reply, micros},
 };
 
 impl Bus {
@@ -343,59 +342,4 @@ impl Bus {
 /// Whether a reply differs from its request in the last three bytes at most, behind the acceleration.
 fn begins_like(reply: &Frame, request: &Frame) -> bool {
     reply.bytes().get(..7) == request.bytes().get(..7)
-}
-
-/// The reply that this reading makes, unless it only names the loop. `measured` is when the motor read its angle: when it
-/// was asked, as far as that is known.
-pub(crate) fn as_reply(
-    motor: &mut Motor,
-    now: Instant,
-    measured: Option<Instant>,
-    reading: &Reading,
-    asked: Option<motorlink_protocol::Layout>,
-) -> Option<Reply> {
-    let Reading::Combined(reply) = reading else {
-        return motor.separate.record(now, measured, motor.model, reading);
-    };
-    Some(reply.in_layout(asked))
-}
-
-/// What a reply to a request of this moment changes for a motor that is switched, stopped or driven.
-fn act_on_reply(
-    motor: &mut Motor,
-    now: Instant,
-    sent: Instant,
-    reply: &Reply,
-    names_loop: bool,
-    unconfirmed: bool,
-) {
-    motor.angle_estimate.replied(now, reply);
-    let seen = motor.angle_estimate.confirmed_now(now);
-    let angle_stands = motor.standstill.record(now, reply);
-    // With separate frames a reply may come before the motor has named its loop.
-    let unnamed = motor.model.has_separate_frames() && motor.last_mode().is_none();
-    match &mut motor.control {
-        Control::Switching(switch) if names_loop => switch.record_mode(reply.mode),
-        // A late reply may report the time before a switch.
-        Control::Stopping(stop) if sent >= stop.began() && !unconfirmed && !unnamed => {
-            stop.record_reply(reply, angle_stands);
-        }
-        Control::Stopping(stop) => stop.record_uncertain_reply(reply.mode),
-        Control::Driven(driven) => {
-            // A reply soon after Hold may tell where the wheel was then.
-            if let Some(hold) = driven.hold
-                && let Some(speed) = reply.speed
-                && let Some(held) = hold.refined(now, seen, speed)
-            {
-                driven.goal = Setpoint::Position(held);
-                driven.next_frame = now;
-                driven.hold = None;
-            }
-        }
-        Control::Idle | Control::Switching(_) => {}
-    }
-}
-
-pub(crate) fn micros(duration: Duration) -> u32 {
-    u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
 }

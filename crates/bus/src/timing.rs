@@ -241,3 +241,7 @@ pub(crate) const ID_SETTLE_TIME: Duration = Duration::from_millis(300);
 
 /// Time between two probes of an ID.
 pub(crate) const ID_PROBE_PERIOD: Duration = Duration::from_millis(50);
+
+pub(crate) fn micros(duration: Duration) -> u32 {
+    u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
+}

@@ -12,8 +12,7 @@ use crate::{
     probe::ProbeResult,
     raw::status::RawAnswer,
     receiver::OtherBytes,
-    replies::micros,
-    timing::DRIVEN_UNANSWERED_MAX,
+    timing::{DRIVEN_UNANSWERED_MAX, micros},
 };
 
 impl Bus {

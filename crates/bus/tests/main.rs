@@ -14,6 +14,7 @@ mod fixture;
 mod foreign_text;
 mod group_starts;
 mod groups;
+mod halting;
 mod holding;
 mod id_change;
 mod id_change_interrupted;

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Activity, Bus, Command, Consent, Event, Refusal, StopReason, StopReport};
-use motorlink_protocol::{Drive, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_bus::{Command, Consent, Event, StopReason, StopReport};
+use motorlink_protocol::{Drive, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
-const STOP: Command = Command::StopAll(StopReason::Operator);
+pub const STOP: Command = Command::StopAll(StopReason::Operator);
 
-fn report(fixture: &Fixture) -> StopReport {
+pub fn report(fixture: &Fixture) -> StopReport {
     let reports = fixture
         .events
         .iter()
@@ -21,11 +21,11 @@ fn report(fixture: &Fixture) -> StopReport {
     reports.expect("the stop has ended")
 }
 
-fn brake() -> Drive {
+pub fn brake() -> Drive {
     Setpoint::Brake.into()
 }
 
-fn spinning(target: i32) -> Fixture {
+pub fn spinning(target: i32) -> Fixture {
     let mut fixture = Fixture::one_motor();
     fixture.drive(rpm(target)).unwrap();
     fixture.run(ms(2_000));
@@ -156,49 +156,6 @@ fn a_stop_during_a_switch_to_the_position_loop_sends_no_zero_into_it() {
         // Once the switch was over the wheel stood, idle: there was nothing to stop.
         assert!(report(&fixture).motors.iter().all(|motor| motor.confirmed));
     }
-}
-
-#[test]
-fn stopped_means_stopped_until_released_and_release_restores_nothing() {
-    let mut fixture = spinning(100);
-    fixture.command(STOP).unwrap();
-    fixture.run(ms(1_000));
-    assert!(fixture.bus.is_halted());
-    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Halted));
-    assert_eq!(
-        fixture.command(Command::SwitchMode {
-            id: ID,
-            mode: Mode::Current
-        }),
-        Err(Refusal::Halted)
-    );
-    fixture.command(Command::Release).unwrap();
-    fixture.forget_the_past();
-    fixture.run(ms(2_000));
-    assert!(fixture.drive_times(ID).is_empty());
-    assert_eq!(fixture.activity(), Activity::Idle);
-    assert_eq!(fixture.drive(rpm(50)), Ok(()));
-}
-
-#[test]
-fn a_halt_outlives_the_port() {
-    let mut bus = Bus::halted(Instant::ZERO);
-    let drive = Command::Drive {
-        id: ID,
-        setpoint: rpm(50),
-        consent: Consent::None,
-    };
-    assert_eq!(bus.command(Instant::ZERO, drive), Err(Refusal::Halted));
-}
-
-#[test]
-fn a_stop_of_one_motor_does_not_halt_it() {
-    let mut fixture = spinning(100);
-    fixture.command(Command::Stop(ID)).unwrap();
-    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Stopping(ID)));
-    fixture.run(ms(400));
-    assert!(fixture.true_rpm().abs() < 1.0);
-    assert_eq!(fixture.drive(rpm(50)), Ok(()));
 }
 
 #[test]
@@ -339,57 +296,4 @@ fn a_brake_that_is_due_waits_for_one_query_at_most_beside_a_switch() {
             "{held} ms: {queries:?}"
         );
     }
-}
-
-#[test]
-fn a_page_that_does_not_answer_for_a_second_stops_its_motors() {
-    let mut fixture = spinning(100);
-    fixture.page_lives = false;
-    let hung = fixture.now;
-    fixture.run(ms(3_000));
-    let first_brake = fixture
-        .sent
-        .iter()
-        .find(|s| s.drive_of(ID) == Some(brake()))
-        .unwrap();
-    assert!(
-        first_brake.at.since(hung) <= ms(1_100),
-        "{:?}",
-        first_brake.at.since(hung)
-    );
-    assert!(fixture.true_rpm().abs() < 1.0);
-    assert_eq!(report(&fixture).reason, StopReason::PageSilent);
-    // The page is back: that starts nothing.
-    fixture.page_lives = true;
-    fixture.forget_the_past();
-    fixture.run(ms(2_000));
-    assert!(fixture.drive_times(ID).is_empty());
-    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Halted));
-}
-
-#[test]
-fn stop_all_brakes_a_watched_wheel_that_turns_though_we_do_not_drive_it() {
-    let mut fixture = spinning(100);
-    // As after a reload: another bus, which knows of no command.
-    fixture.bus = Bus::new(fixture.now);
-    fixture.command(Command::Watch(ID)).unwrap();
-    fixture.run(ms(150));
-    assert!(fixture.true_rpm() > 20.0);
-    fixture.command(STOP).unwrap();
-    fixture.run(ms(1_000));
-    assert!(fixture.true_rpm().abs() < 1.0);
-    assert!(report(&fixture).motors[0].confirmed);
-}
-
-#[test]
-fn stop_all_with_nothing_to_stop_ends_at_once_and_halts() {
-    let mut fixture = Fixture::one_motor();
-    // The coarse angle needs a while to show standstill.
-    fixture.run(ms(300));
-    fixture.forget_the_past();
-    fixture.command(STOP).unwrap();
-    fixture.run(ms(10));
-    assert_eq!(report(&fixture).motors, []);
-    assert!(fixture.bus.is_halted());
-    assert!(fixture.sent.iter().all(Sent::is_query));
 }

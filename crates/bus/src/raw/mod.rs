@@ -1,5 +1,6 @@
 //! Raw frames: bytes that an operator wrote.
 
+mod checks;
 mod control;
 pub(crate) mod frame;
 pub(crate) mod hazard;
