@@ -86,7 +86,8 @@ pub enum Command {
         consent: Consent,
     },
     /// Drive several motors as a group until the next command. If one of them is in another loop, or is being stopped,
-    /// all stop first, and none is driven before each stop is confirmed. Any stop of one of them ends this.
+    /// all stop first, and none is driven before each stop is confirmed. Any stop of one of them ends this, and so does
+    /// a group start that is refused.
     StartGroup {
         /// Each motor with its setpoint.
         setpoints: GroupSetpoints,

@@ -44,10 +44,12 @@ impl Bus {
             Command::StopRaw => self.stop_raw(now),
             Command::Configure(settings) => self.configure(now, settings),
             Command::StartGroup { setpoints, consent } => {
-                self.start_group(now, &setpoints, consent)?;
+                let started = self.start_group(now, &setpoints, consent);
+                self.or_end_wait(started, &setpoints)?;
             }
             Command::DriveGroup { setpoints, consent } => {
-                self.drive_group(now, &setpoints, consent)?;
+                let driven = self.drive_group(now, &setpoints, consent);
+                self.or_end_wait(driven, &setpoints)?;
             }
             Command::AdjustGroup { setpoints, consent } => {
                 self.adjust_group(now, &setpoints, consent)?;

@@ -1,15 +1,13 @@
 //! Start of a group with motors in other loops: none is driven before all are ready.
 
-use motorlink_bus::{
-    Activity, BusSettings, Command, Consent, Event, GroupSetpoints, Limits, Refusal, StopReason,
-};
+use motorlink_bus::{Activity, Command, Consent, Event, GroupSetpoints, Refusal};
 use motorlink_protocol::{Instant, Mode, MotorId, Setpoint, family::Model};
 use motorlink_simulator::WorldConfig;
 
 use crate::fixture::driven_models::setpoint;
 use crate::fixture::{Fixture, amps, degrees, id, ms, rpm};
 
-const IDS: [u8; 3] = [1, 2, 3];
+pub const IDS: [u8; 3] = [1, 2, 3];
 
 fn rover_of(model: Model) -> Fixture {
     let ids = IDS.map(id);
@@ -31,7 +29,7 @@ fn alone(fixture: &mut Fixture, motor: u8, setpoint: Setpoint) {
 }
 
 /// The first motor is driven alone, the second in the position loop, and the third stands.
-fn rover() -> Fixture {
+pub fn rover() -> Fixture {
     let mut fixture = rover_of(Model::Ddsm115);
     alone(&mut fixture, 1, rpm(80));
     alone(&mut fixture, 2, degrees(90.0));
@@ -40,30 +38,30 @@ fn rover() -> Fixture {
     fixture
 }
 
-fn speeds(speeds: [i32; 3]) -> GroupSetpoints {
+pub fn speeds(speeds: [i32; 3]) -> GroupSetpoints {
     let [one, two, three] = speeds.map(rpm);
     GroupSetpoints::new(&[(id(1), one), (id(2), two), (id(3), three)]).unwrap()
 }
 
-fn start(all: [i32; 3]) -> Command {
+pub fn start(all: [i32; 3]) -> Command {
     Command::StartGroup {
         setpoints: speeds(all),
         consent: Consent::None,
     }
 }
 
-fn adjust(all: [i32; 3]) -> Command {
+pub fn adjust(all: [i32; 3]) -> Command {
     Command::AdjustGroup {
         setpoints: speeds(all),
         consent: Consent::None,
     }
 }
 
-fn activities(fixture: &Fixture) -> [Activity; 3] {
+pub fn activities(fixture: &Fixture) -> [Activity; 3] {
     IDS.map(|motor| fixture.status(id(motor)).activity)
 }
 
-fn waits(fixture: &Fixture) -> bool {
+pub fn waits(fixture: &Fixture) -> bool {
     let waiting = IDS.map(|motor| fixture.status(id(motor)).waiting.is_some());
     assert!(waiting[0] == waiting[1] && waiting[1] == waiting[2]);
     waiting[0]
@@ -76,7 +74,7 @@ fn driven_at(all: [i32; 3]) -> [Activity; 3] {
 }
 
 /// The drive frames that are neither zero nor brakes.
-fn moving_frames(fixture: &Fixture) -> Vec<(MotorId, Instant)> {
+pub fn moving_frames(fixture: &Fixture) -> Vec<(MotorId, Instant)> {
     let moved = |sent: &crate::fixture::Sent| {
         let moved = IDS.map(id).into_iter().find(|motor| {
             let drive = sent.drive_of(*motor);
@@ -87,7 +85,7 @@ fn moving_frames(fixture: &Fixture) -> Vec<(MotorId, Instant)> {
     fixture.sent.iter().filter_map(moved).collect()
 }
 
-fn why_not(fixture: &Fixture) -> Option<(MotorId, Refusal)> {
+pub fn why_not(fixture: &Fixture) -> Option<(MotorId, Refusal)> {
     fixture.events.iter().find_map(|(_, event)| match event {
         Event::NotStarted { id, refusal } => Some((*id, *refusal)),
         _ => None,
@@ -152,102 +150,6 @@ fn one_alone_is_started_as_by_its_own_command() {
     );
 }
 
-/// The stops that a page may send, of the whole bus and of any member.
-fn stops() -> Vec<Command> {
-    let consent = Consent::None;
-    let mut stops = vec![Command::StopAll(StopReason::Operator), adjust([0, 0, 0])];
-    for id in IDS.map(id) {
-        stops.extend([Command::Stop(id), Command::Hold(id)]);
-        for setpoint in [rpm(0), amps(0.0), Setpoint::Brake] {
-            stops.push(Command::Drive {
-                id,
-                setpoint,
-                consent,
-            });
-        }
-    }
-    stops
-}
-
-#[test]
-fn any_stop_of_one_ends_the_start_of_all() {
-    for stop in stops() {
-        let mut waited = 0;
-        for late_ms in (0..900).step_by(23) {
-            let mut fixture = rover();
-            fixture.command(start([100, -100, 50])).unwrap();
-            fixture.run(ms(late_ms));
-            if !waits(&fixture) {
-                break;
-            }
-            waited += 1;
-            fixture.command(stop).unwrap();
-            assert!(!waits(&fixture), "{stop:?} after {late_ms} ms");
-            fixture.run(ms(2_000));
-            assert_eq!(moving_frames(&fixture), [], "{stop:?} after {late_ms} ms");
-            assert_eq!(activities(&fixture), [Activity::Idle; 3]);
-        }
-        assert!(waited > 5, "{stop:?}: the start waited {waited} times");
-    }
-}
-
-type Cause<'a> = (&'a str, &'a dyn Fn(&mut Fixture));
-
-/// What ends the start of all, by what happens to the motor in the middle or to the bus.
-#[test]
-fn a_silent_hot_or_faulty_motor_a_limit_a_scan_and_a_gap_end_the_start_of_all() {
-    let slow = BusSettings {
-        limits: Limits::new(20, 2_700, 75).unwrap(),
-        ..BusSettings::default()
-    };
-    let causes: [Cause<'_>; 6] = [
-        ("silent", &|it| {
-            it.world.motor_mut(id(2)).unwrap().mute(true);
-        }),
-        ("hot", &|it| {
-            it.world.motor_mut(id(2)).unwrap().set_temperature_c(95.0);
-        }),
-        ("ready and silent", &|it| {
-            it.world.motor_mut(id(3)).unwrap().power(false);
-        }),
-        ("limit", &|it| it.command(Command::Configure(slow)).unwrap()),
-        ("scan", &|it| it.command(Command::FullScan).unwrap()),
-        ("gap", &|it| {
-            it.sleep(ms(700));
-            it.deliver();
-        }),
-    ];
-    for (name, cause) in causes {
-        let (mut waited, mut ended) = (0, 0);
-        for late_ms in (0..900).step_by(31) {
-            let mut fixture = rover();
-            fixture.command(start([100, -100, 50])).unwrap();
-            fixture.run(ms(late_ms));
-            if !waits(&fixture) {
-                break;
-            }
-            waited += 1;
-            cause(&mut fixture);
-            fixture.run(ms(5_000));
-            let said = why_not(&fixture).is_some()
-                || fixture.happened(|event| match event {
-                    Event::ModeSwitchFailed { id: of, .. } => *of == id(2),
-                    Event::StopBegan(reason) => *reason != StopReason::OneMotor,
-                    _ => false,
-                });
-            // Until a request is not answered, it is not silent.
-            let withdrawn = fixture.happened(|event| matches!(event, Event::Withdrawn { .. }));
-            assert!(said || withdrawn, "{name} after {late_ms} ms");
-            assert!(!waits(&fixture), "{name} after {late_ms} ms");
-            let moved = !moving_frames(&fixture).is_empty();
-            assert_eq!(moved, withdrawn, "{name} after {late_ms} ms");
-            ended += u32::from(said);
-        }
-        // What a motor reports only after its stop is confirmed ends the drive instead.
-        assert!(waited > 5 && ended > 0, "{name}: {ended} of {waited}");
-    }
-}
-
 #[test]
 fn a_motor_that_may_not_be_driven_refuses_the_start_of_all() {
     let mut fixture = rover();
@@ -305,10 +207,6 @@ fn none_of_a_waiting_group_is_driven_or_forgotten_apart_from_it() {
             consent,
         },
         Command::Forget(id),
-        Command::DriveGroup {
-            setpoints: speeds([1, 1, 1]),
-            consent,
-        },
     ];
     for command in apart {
         assert!(fixture.command(command).is_err(), "{command:?}");
@@ -331,22 +229,5 @@ fn each_model_is_driven_as_a_group_in_time() {
             });
             assert!(took < ms(2_500), "{model} from {from}: {took:?}");
         }
-    }
-}
-
-#[test]
-fn a_scan_that_is_cancelled_before_the_stop_ends_starts_nothing() {
-    for cancel in [Command::CancelJob, Command::Stop(id(3))] {
-        let mut fixture = rover();
-        fixture.command(start([100, -100, 50])).unwrap();
-        fixture.run(ms(10));
-        assert!(waits(&fixture));
-        fixture.command(Command::FullScan).unwrap();
-        assert!(!waits(&fixture), "{cancel:?}");
-        fixture.command(cancel).unwrap();
-        fixture.run(ms(4_000));
-        assert!(moving_frames(&fixture).is_empty(), "{cancel:?}");
-        let refused = why_not(&fixture).map(|(_, refusal)| refusal);
-        assert_eq!(refused, Some(Refusal::JobRunning), "{cancel:?}");
     }
 }

@@ -13,6 +13,7 @@ mod faults;
 mod fixture;
 mod foreign_text;
 mod group_starts;
+mod group_starts_that_end;
 mod groups;
 mod halting;
 mod holding;

@@ -21,17 +21,11 @@ impl Bus {
         setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
-        self.check_may_drive_group()?;
-        for (id, setpoint) in setpoints.entries() {
-            let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
-            match motor.control {
-                Control::Stopping(_) => return Err(Refusal::Stopping(id)),
-                Control::Switching(_) => return Err(Refusal::Switching(id)),
-                Control::Idle | Control::Driven(_) => {}
-            }
-            let known = motor.known(now);
-            self.check_member(id, setpoint, consent, known, setpoints)?;
-        }
+        self.check_group(setpoints, consent, &|motor| match motor.control {
+            Control::Stopping(_) => Err(Refusal::Stopping(motor.id)),
+            Control::Switching(_) => Err(Refusal::Switching(motor.id)),
+            Control::Idle | Control::Driven(_) => Ok(motor.known(now)),
+        })?;
         self.last_group += 1;
         // A single motor is not a group: it is driven as by its own command.
         let number = (setpoints.entries().count() > 1).then_some(self.last_group);
@@ -124,15 +118,26 @@ impl Bus {
         Ok(())
     }
 
-    /// Refuses a group while nothing may be driven.
-    pub(crate) fn check_may_drive_group(&self) -> Result<(), Refusal> {
+    /// Refuses a group while nothing may be driven, or if one of its motors must not be, by what is `known` of it.
+    pub(crate) fn check_group(
+        &self,
+        setpoints: &GroupSetpoints,
+        consent: Consent,
+        known: &dyn Fn(&Motor) -> Result<Known, Refusal>,
+    ) -> Result<(), Refusal> {
         self.check_not_halted()?;
         self.check_no_job()?;
-        self.check_no_raw_hazard()
+        self.check_no_raw_hazard()?;
+        for (id, setpoint) in setpoints.entries() {
+            let motor = self.motors.iter().find(|motor| motor.id == id);
+            let known = known(motor.ok_or(Refusal::NotAnswering(id))?)?;
+            self.check_member(id, setpoint, consent, known, setpoints)?;
+        }
+        Ok(())
     }
 
     /// Refuses a motor of a group that must not be driven, or whose group has others.
-    pub(crate) fn check_member(
+    fn check_member(
         &self,
         id: MotorId,
         setpoint: Setpoint,

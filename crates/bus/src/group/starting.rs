@@ -90,6 +90,27 @@ impl Bus {
         }
     }
 
+    /// Passes on whether these motors were started. If not, a group of one of them waits no longer: the page says that it
+    /// is not started.
+    pub(crate) fn or_end_wait(
+        &mut self,
+        started: Result<(), Refusal>,
+        setpoints: &GroupSetpoints,
+    ) -> Result<(), Refusal> {
+        let Err(refusal) = started else {
+            return Ok(());
+        };
+        let has_one = |group: &mut WaitingGroup| {
+            let mut motors = setpoints.entries();
+            motors.any(|(id, _)| group.setpoints.has(id))
+        };
+        let stop = self.stop.as_mut();
+        if let Some(group) = stop.and_then(|stop| stop.then_group.take_if(has_one)) {
+            self.group_not_started(&group.setpoints, refusal);
+        }
+        Err(refusal)
+    }
+
     fn group_not_started(&mut self, setpoints: &GroupSetpoints, refusal: Refusal) {
         if let Some((id, _)) = setpoints.entries().next() {
             self.events.push_back(Event::NotStarted { id, refusal });
@@ -140,22 +161,18 @@ impl Bus {
 
     /// Refuses what would be refused after the stop too. In which loop a motor is then, its stop decides.
     fn check_waiting(
-        &mut self,
+        &self,
         now: Instant,
         setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
-        self.check_may_drive_group()?;
-        for (id, setpoint) in setpoints.entries() {
-            let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
+        self.check_group(setpoints, consent, &|motor| {
             let known = motor.known(now);
             let answers = known.reported.is_some() || motor.fresh_speed(now).is_some();
-            let known = Known {
+            Ok(Known {
                 reported: answers.then_some(Mode::Velocity),
                 ..known
-            };
-            self.check_member(id, setpoint, consent, known, setpoints)?;
-        }
-        Ok(())
+            })
+        })
     }
 }
