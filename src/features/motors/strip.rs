@@ -85,18 +85,17 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
             let name = names.member(id).map_or("", NameAndSide::name);
             format!("{id} {name}")
         });
-        let title = if is_one_of_many { title.trim_end() } else { "" };
+        // The words of the wheel follow its ID. A name would lie over the ring.
+        let [title, id] = if is_one_of_many {
+            [title.trim_end(), &format!("{id} · ")]
+        } else {
+            [""; 2]
+        };
         // Written here, so that the first part of the page needs no code for names.
         let titles = document().get_elements_by_class_name("motor-title");
         for element in (0..titles.length()).filter_map(|place| titles.item(place)) {
-            // The words of the wheel follow it.
-            let is_chip = element.closest(".wheel-chip").ok().flatten().is_some();
-            let separator = if is_chip && !title.is_empty() {
-                " · "
-            } else {
-                ""
-            };
-            element.set_text_content(Some(&(title.to_owned() + separator)));
+            let is_wheel = element.closest(".wheel-chip").ok().flatten().is_some();
+            element.set_text_content(Some(if is_wheel { id } else { title }));
         }
     });
 }

@@ -240,7 +240,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         .await;
     assert_eq!(bench.text("status", "Current"), "+0.50 A mirrored");
     let wheel = bench.text("region", "Wheel");
-    let chip = "0x02 Starboard · Target +100 rpm · mirrored";
+    let chip = "0x02 · Target +100 rpm · mirrored";
     assert!(wheel.starts_with(chip), "{wheel}");
     let figures = figures_beside(&bench.find("button", "Motor 0x02, Starboard, right, mirrored"));
     assert!(figures.contains("+98 rpm"), "{figures}");
