@@ -13,6 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
+//! | find out the model of a port | [`ModelSearch`], [`Bus::detected_model`] |
 //! | know a recorded line | [`LineSamples`], [`TurnCounter`], [`CommandedValue`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
@@ -46,8 +47,10 @@ mod line_event;
 mod line_load;
 mod line_samples;
 mod line_use;
+mod mirror;
 mod mode_switch;
 mod model;
+mod model_search;
 mod motor;
 mod motor_status;
 mod next_request;
@@ -103,6 +106,8 @@ pub use limits::{ExceededLimit, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_samples::{LineSamples, reported_current};
 pub use line_use::LineStatus;
+pub use mirror::Mirror;
+pub use model_search::{DETECTION_MAX, DetectedModel, ModelSearch};
 pub use motor_status::{Activity, MotorStatus};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};

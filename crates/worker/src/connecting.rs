@@ -7,7 +7,7 @@
 use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use motorlink_bus::{Bus, Command, LeftDriven, Refusal, StopReason};
+use motorlink_bus::{Bus, Command, DetectedModel, LeftDriven, ModelSearch, Refusal, StopReason};
 use motorlink_messages::{
     Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
 };
@@ -24,8 +24,7 @@ use crate::{
     port_state::{AfterClosing, OpenPort, PortState, Stage},
     serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
     trial::{
-        DetectedModel, Superseded, any_motor_replies, detected_model, left_motor_turns,
-        wanted_motor_replies,
+        Superseded, any_motor_replies, detected_model, left_motor_turns, wanted_motor_replies,
     },
 };
 
@@ -300,9 +299,10 @@ impl Attempt<'_> {
             generation = close_trial(shared, self.lost).await;
         }
         let choice = shared.borrow().model;
-        let mut tried = Vec::new();
-        let mut next = Some(choice.model).filter(|_| choice.detect);
-        while let Some(model) = next {
+        let mut search = ModelSearch::from(choice.model);
+        while choice.detect
+            && let Some(model) = search.next_model()
+        {
             match self
                 .open_one(generation, candidate, model, LeftMotors::Leave)
                 .await?
@@ -310,24 +310,16 @@ impl Attempt<'_> {
                 Err(error) => return Ok(Err(error)),
                 Ok(opened) => generation = opened.generation,
             }
-            tried.push(model);
-            let detected = match detected_model(shared, generation).await? {
-                DetectedModel::Own => {
+            let other = match detected_model(shared, generation).await? {
+                Some(DetectedModel::Own) => {
                     shared.borrow_mut().model.model = model;
                     let left = LeftOnTrial::None;
                     return Ok(Ok(Opened { generation, left }));
                 }
-                DetectedModel::Other(model) => Some(model),
-                DetectedModel::Unknown => None,
+                Some(DetectedModel::Other(model)) => Some(model),
+                None => None,
             };
-            let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
-            let untried = |model: &Model| {
-                let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
-                !tried.iter().any(same_baud)
-            };
-            next = detected
-                .filter(|model| !tried.contains(model))
-                .or_else(|| of_either_baud.into_iter().find(untried));
+            search.not_found(other);
             generation = close_trial(shared, self.lost).await;
         }
         self.open_one(generation, candidate, choice.model, LeftMotors::Leave)

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use gloo_timers::future::sleep;
-use motorlink_bus::MotorStatus;
-use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_bus::{DETECTION_MAX, DetectedModel, MotorStatus};
+use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     port_owner::Shared,
@@ -14,40 +14,19 @@ use crate::{
 /// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
 /// and three queries at 10 Hz.
 const TRIAL: Duration = Duration::from_millis(400);
-/// How long a motor may take to send a frame of its model: an ID query of 60 ms and two queries at 10 Hz.
-const DETECTION: Duration = Duration::from_millis(200);
 /// How often to check for a reply.
 const TRIAL_STEP: Duration = Duration::from_millis(20);
 
 /// Another port state has begun meanwhile, so this task ends.
 pub(crate) struct Superseded;
 
-/// The model that the replies on a port on trial show.
-pub(crate) enum DetectedModel {
-    /// The model of the line.
-    Own,
-    /// Another model of the same baud rate.
-    Other(Model),
-    /// No motor has replied.
-    Unknown,
-}
-
-/// Waits until the replies on the port on trial show the model of the motors.
+/// Waits until the replies on the port on trial show the model of the motors; `None` if no motor has replied.
 pub(crate) async fn detected_model(
     shared: &Shared,
     generation: u32,
-) -> Result<DetectedModel, Superseded> {
-    let of_replies = |open: &OpenPort, now: Instant| {
-        if open.bus.model_known() {
-            return Some(DetectedModel::Own);
-        }
-        // One frame of another model is enough to try that model next: if it was noise, that trial shows it.
-        let other = open.bus.likely_model()?;
-        // To try it, the worker closes the port.
-        (!open.bus.is_active(now)).then_some(DetectedModel::Other(other))
-    };
-    let detected = wait_on_trial(shared, generation, DETECTION, of_replies).await?;
-    Ok(detected.unwrap_or(DetectedModel::Unknown))
+) -> Result<Option<DetectedModel>, Superseded> {
+    let of_replies = |open: &OpenPort, now: Instant| open.bus.detected_model(now);
+    wait_on_trial(shared, generation, DETECTION_MAX, of_replies).await
 }
 
 /// Waits until the wanted motor replies on the port on trial. Returns whether it does.

@@ -1,0 +1,105 @@
+//! Finds out which model the motors on a port are, by opening it for one model after the other.
+
+use std::time::Duration;
+
+use motorlink_protocol::{Instant, family::Model};
+
+use crate::bus::Bus;
+
+/// How long a motor may take to send a frame of its model: an ID query of 60 ms and two queries at 10 Hz.
+pub const DETECTION_MAX: Duration = Duration::from_millis(200);
+
+/// What the replies on a port show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DetectedModel {
+    /// The model of the line.
+    Own,
+    /// Another model of the same baud rate.
+    Other(Model),
+}
+
+impl Bus {
+    /// The model that the replies so far show; `None` while there is none, and while a stop runs: to try another model,
+    /// the caller closes the port.
+    #[must_use]
+    pub fn detected_model(&self, now: Instant) -> Option<DetectedModel> {
+        if self.model_known() {
+            return Some(DetectedModel::Own);
+        }
+        // One frame of another model is enough to try that model next: if it was noise, that trial shows it.
+        let other = self.likely_model()?;
+        (!self.is_active(now)).then_some(DetectedModel::Other(other))
+    }
+}
+
+/// The models to open a port for, one after the other: the likely one first, then what replies show, then the other
+/// baud rate.
+#[derive(Clone, Debug)]
+pub struct ModelSearch {
+    tried: Vec<Model>,
+    next: Option<Model>,
+}
+
+impl ModelSearch {
+    /// A search that begins with this model.
+    #[must_use]
+    pub const fn from(first: Model) -> Self {
+        Self {
+            tried: Vec::new(),
+            next: Some(first),
+        }
+    }
+
+    /// The model to open the port for; `None` if no motor has answered as any.
+    pub fn next_model(&mut self) -> Option<Model> {
+        let model = self.next.take()?;
+        self.tried.push(model);
+        Some(model)
+    }
+
+    /// The trial of that model has ended without a motor of it. `other` is the model that replies have shown.
+    pub fn not_found(&mut self, other: Option<Model>) {
+        let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
+        let untried = |model: &Model| {
+            let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
+            !self.tried.iter().any(same_baud)
+        };
+        self.next = other
+            .filter(|model| !self.tried.contains(model))
+            .or_else(|| of_either_baud.into_iter().find(untried));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tried(first: Model, shown: &[(Model, Model)]) -> Vec<Model> {
+        let mut search = ModelSearch::from(first);
+        let mut tried = Vec::new();
+        while let Some(model) = search.next_model() {
+            tried.push(model);
+            let other = shown.iter().find(|(at, _)| *at == model);
+            search.not_found(other.map(|(_, other)| *other));
+        }
+        tried
+    }
+
+    #[test]
+    fn a_silent_port_is_tried_once_at_each_baud_rate() {
+        assert_eq!(tried(Model::Ddsm210, &[]), [Model::Ddsm210, Model::Ddsm400]);
+        assert_eq!(tried(Model::Ddsm400, &[]), [Model::Ddsm400, Model::Ddsm115]);
+    }
+
+    #[test]
+    fn a_model_that_replies_show_is_tried_next_and_once() {
+        let both_show_the_other = [
+            (Model::Ddsm115, Model::Ddsm210),
+            (Model::Ddsm210, Model::Ddsm115),
+        ];
+        assert_eq!(
+            tried(Model::Ddsm115, &both_show_the_other),
+            [Model::Ddsm115, Model::Ddsm210, Model::Ddsm400]
+        );
+    }
+}
