@@ -27,8 +27,8 @@ const PAGE: [&str; 5] = ["app", "features", "model", "link", "ui"];
 const CRATES: [&[&str]; 10] = [
     &["motorlink-fuzz-checks", "end-to-end", "xtask"],
     &["motorlink"],
-    &["motorlink-worker"],
-    &["motorlink-fault-simulation", "virtual-motor", "session"],
+    &["motorlink-worker", "motorlink-command"],
+    &["motorlink-fault-simulation", "motorlink-driver"],
     &["motorlink-session"],
     &[
         "motorlink-recorder",

@@ -1,0 +1,32 @@
+//! The clock of the driver: monotonic, and it counts the time asleep.
+
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use motorlink_messages::AwakeClock;
+use motorlink_protocol::Instant;
+
+/// A clock that begins a second after [`Instant::ZERO`], so that a moment just before it can be told.
+#[derive(Debug)]
+pub(crate) struct Clock {
+    began: std::time::Instant,
+    awake: AwakeClock,
+}
+
+impl Clock {
+    pub(crate) fn new() -> Self {
+        Self {
+            began: std::time::Instant::now(),
+            awake: AwakeClock::default(),
+        }
+    }
+
+    pub(crate) fn now(&mut self) -> Instant {
+        let monotonic = self.began.elapsed() + Duration::from_secs(1);
+        let wall = SystemTime::now().duration_since(UNIX_EPOCH);
+        let wall = wall.unwrap_or_default();
+        let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
+        let now = self.awake.read(ms(monotonic), ms(wall)) / 1000.0;
+        let now = Duration::try_from_secs_f64(now).unwrap_or(monotonic);
+        Instant::ZERO + now
+    }
+}

@@ -1,0 +1,145 @@
+//! The driver, as the program that opened it has it.
+
+use std::{
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel},
+    thread::{self, JoinHandle},
+    time::Duration,
+};
+
+use motorlink_bus::Command;
+use motorlink_protocol::{Instant, family::Model};
+
+use crate::{
+    entry::{Entry, Status},
+    inputs::{Input, Told},
+    open_failure::OpenFailure,
+    options::{Ending, Options},
+    owner::Owner,
+};
+
+/// Entries that wait for the program: more than a second of them at 500 exchanges a second. A program that takes none for
+/// a second stops the motors.
+const ENTRIES_MAX: usize = 8192;
+/// How long the thread may take to answer: it sleeps at most for as long as the reader of a port needs to end.
+const ANSWER_MAX: Duration = Duration::from_secs(1);
+
+/// What [`Driver::next`] returns.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// An entry, and when it happened by the clock of the driver.
+    Entry(Instant, Entry),
+    /// Nothing happened within the time.
+    Nothing,
+    /// The driver has ended.
+    Ended,
+}
+
+/// An open line of motors. The thread behind it stops the motors when this value is dropped.
+#[derive(Debug)]
+pub struct Driver {
+    inputs: Sender<Input>,
+    told: Receiver<Told>,
+    model: Model,
+    thread: Option<JoinHandle<Ending>>,
+}
+
+impl Driver {
+    /// Opens the line. What an earlier driver left driven is stopped first. Starts no motor.
+    ///
+    /// # Errors
+    /// [`OpenFailure`] says what to do.
+    pub fn open(options: Options) -> Result<Self, OpenFailure> {
+        let (inputs, received) = channel();
+        let (tell, told) = sync_channel(ENTRIES_MAX);
+        let (answer, opened) = sync_channel(1);
+        options.ender.connect(&inputs);
+        let to_self = inputs.clone();
+        let run = move || Owner::new(&options, received, to_self, tell).run(&options, &answer);
+        let thread = thread::Builder::new().name("motorlink driver".to_owned());
+        let thread = thread.spawn(run);
+        let thread = thread.map_err(|error| OpenFailure::Io("driver".to_owned(), error))?;
+        // It answers, or it has failed.
+        let model = opened.recv().unwrap_or(Err(OpenFailure::Lost))?;
+        Ok(Self {
+            inputs,
+            told,
+            model,
+            thread: Some(thread),
+        })
+    }
+
+    /// The model of the line.
+    #[must_use]
+    pub const fn model(&self) -> Model {
+        self.model
+    }
+
+    /// Gives a command. A refusal comes as an entry.
+    pub fn command(&self, command: Command) {
+        let command = Input::Command(command, std::time::Instant::now());
+        // A driver that has ended says so by the next entry.
+        let _ = self.inputs.send(command);
+    }
+
+    /// The next entry, within this time. A program that drives calls this at least every half second: it tells the driver
+    /// that the program is alive.
+    #[must_use]
+    pub fn next(&self, within: Duration) -> Next {
+        let until = std::time::Instant::now() + within;
+        loop {
+            let left = until.saturating_duration_since(std::time::Instant::now());
+            match self.told.recv_timeout(left) {
+                Ok(Told::Ping) => {
+                    let _ = self.inputs.send(Input::Alive);
+                }
+                Ok(Told::Entry(at, entry)) => return Next::Entry(at, entry),
+                Err(RecvTimeoutError::Timeout) => return Next::Nothing,
+                Err(RecvTimeoutError::Disconnected) => return Next::Ended,
+            }
+        }
+    }
+
+    /// The state of this moment; `None` if the driver has ended.
+    #[must_use]
+    pub fn status(&self) -> Option<Status> {
+        let (answer, status) = sync_channel(1);
+        self.inputs.send(Input::Status(answer)).ok()?;
+        status.recv_timeout(ANSWER_MAX).ok()
+    }
+
+    /// Asks for the end. The entries of the stop still come, and [`Next::Ended`] after them.
+    pub fn begin_end(&self) {
+        let _ = self.inputs.send(Input::End);
+    }
+
+    /// Stops the motors, waits until they stand or the stop window has ended, and closes the port.
+    #[must_use]
+    pub fn end(mut self) -> Ending {
+        self.close()
+    }
+
+    fn close(&mut self) -> Ending {
+        self.begin_end();
+        let ending = self.thread.take().map(JoinHandle::join);
+        let failed = Ending {
+            has_failed: true,
+            ..Ending::default()
+        };
+        ending.map_or_else(Ending::default, |ending| ending.unwrap_or(failed))
+    }
+
+    #[cfg(test)]
+    pub(crate) fn fail(&self) {
+        let _ = self.inputs.send(Input::Panic);
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+#[cfg(test)]
+#[path = "driver_tests.rs"]
+mod tests;

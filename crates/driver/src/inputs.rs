@@ -1,0 +1,34 @@
+//! What goes to the thread that owns the port, and what it tells the program.
+
+use std::sync::mpsc::SyncSender;
+
+use motorlink_bus::Command;
+use motorlink_protocol::Instant;
+
+use crate::entry::{Entry, Status};
+
+/// What wakes the thread.
+pub(crate) enum Input {
+    /// Bytes of the port with this number.
+    Bytes(u32, Vec<u8>),
+    /// The port with this number is gone.
+    PortGone(u32),
+    /// A command, and when it was given.
+    Command(Command, std::time::Instant),
+    /// The program takes entries.
+    Alive,
+    /// The program asks for the state.
+    Status(SyncSender<Status>),
+    /// Stop the motors, close the port and end.
+    End,
+    /// Fail, for tests.
+    #[cfg(test)]
+    Panic,
+}
+
+/// What goes to the program.
+pub(crate) enum Told {
+    Entry(Instant, Entry),
+    /// The program answers by [`Input::Alive`].
+    Ping,
+}

@@ -1,0 +1,39 @@
+//! The bus on a serial port of this computer, or on virtual motors.
+//!
+//! A thread of its own owns the port and decides every frame, as the worker of the page does. The program that opened it
+//! gives commands and takes entries: [`Driver`].
+//!
+//! # What it promises
+//!
+//! - The motors are stopped when the program ends the driver, drops it, or does not take entries for a second, and when
+//!   the driver itself fails. See [`Driver::end`].
+//! - What is driven is in a file before its first frame. The next driver on that adapter stops it first, also after a
+//!   killed process: [`DrivenFile`].
+//! - A port that is lost is opened again when it is back, and what was driven is stopped first.
+//!
+//! It is not for several programs at once: the second one gets [`OpenFailure::Busy`].
+
+mod clock;
+mod detection;
+mod driven_file;
+mod driver;
+mod entry;
+mod holder;
+mod host;
+mod inputs;
+mod latency;
+mod line;
+mod open_failure;
+mod options;
+mod owner;
+mod ports;
+mod serial_line;
+
+pub use driven_file::{DrivenFile, default_folder};
+pub use driver::{Driver, Next};
+pub use entry::{Entry, Status};
+pub use holder::Holder;
+pub use line::VirtualLine;
+pub use open_failure::OpenFailure;
+pub use options::{Ender, Ending, Options};
+pub use ports::{FoundPort, Place, UsbAdapter, found_ports};

@@ -1,0 +1,72 @@
+//! The line: what the bus writes to and reads from.
+
+use motorlink_protocol::{Frame, Instant, MotorId, family::Model};
+use motorlink_simulator::{World, WorldConfig};
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// The port has taken it.
+    Taken,
+    /// The port is still busy with frames before it. It was not sent.
+    Refused,
+    /// The port is gone.
+    Gone,
+}
+
+/// An open line.
+pub(crate) trait Line: Send {
+    /// Writes a frame without waiting for the wire.
+    fn write(&mut self, now: Instant, model: Model, frame: &Frame) -> Written;
+
+    /// Bytes have arrived: the line carries frames.
+    fn has_received(&mut self) {}
+
+    /// The bytes that have arrived by now, of a line that has no reader of its own.
+    fn take_received(&mut self, _now: Instant) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// When [`Line::take_received`] may have bytes next.
+    fn next_event(&self) -> Option<Instant> {
+        None
+    }
+}
+
+/// Virtual motors in this process.
+#[derive(Clone, Debug)]
+pub struct VirtualLine {
+    /// Their initial state.
+    pub world: WorldConfig,
+}
+
+impl VirtualLine {
+    /// Motors of this model with these IDs, at rest on a faultless wire.
+    #[must_use]
+    pub fn of(model: Model, ids: impl IntoIterator<Item = MotorId>) -> Self {
+        Self {
+            world: WorldConfig::of(model, ids),
+        }
+    }
+
+    /// The model of its motors.
+    pub(crate) fn model(&self) -> Model {
+        let first = self.world.motors.first();
+        first.map_or(Model::Ddsm115, |motor| motor.model)
+    }
+}
+
+impl Line for World {
+    fn write(&mut self, now: Instant, _model: Model, frame: &Frame) -> Written {
+        self.transmit(now, frame.bytes());
+        Written::Taken
+    }
+
+    fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
+        self.receive(now).map(|chunk| chunk.bytes.clone())
+    }
+
+    fn next_event(&self) -> Option<Instant> {
+        World::next_event(self)
+    }
+}

@@ -1,0 +1,437 @@
+//! The thread that owns the port.
+
+use std::{
+    collections::BTreeSet,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError},
+    time::Duration,
+};
+
+use motorlink_bus::{BusSettings, Command, Event, Refusal, StopReason, StopReport};
+use motorlink_messages::LeftBehind;
+use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_simulator::World;
+
+use crate::{
+    clock::Clock,
+    driven_file::{DrivenFile, NoFile},
+    entry::{Entry, Status},
+    holder::holder_of,
+    host::{Host, Turned},
+    inputs::{Input, Told},
+    latency::run_on_time,
+    open_failure::OpenFailure,
+    options::{Ending, Options},
+    ports::{ChosenPort, Place},
+};
+
+/// Pause between two tries to open a lost port. Linux sets its permissions a moment after it is there.
+const REOPEN_PAUSE: Duration = Duration::from_millis(100);
+/// How long the opening may take once the port is open: a little more than a stop.
+const OPENING_MAX: Duration = Duration::from_secs(4);
+/// How long motors may take for their first reply before the port counts as open: three queries at 10 Hz.
+const FIRST_REPLY_MAX: Duration = Duration::from_millis(300);
+/// How long the thread sleeps at most: it has nothing to do while the port is lost but to look for it.
+const SLEEP_MAX: Duration = Duration::from_millis(500);
+
+/// What the thread is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// It looks for the motors. The program may not drive.
+    OnTrial,
+    /// The program may drive.
+    Settled,
+    /// The motors are being stopped; then the port is closed.
+    Ending {
+        /// Whether that stop has ended.
+        has_stopped: bool,
+    },
+}
+
+impl Stage {
+    pub(crate) const fn is_ending(self) -> bool {
+        matches!(self, Self::Ending { .. })
+    }
+}
+
+/// The state of the thread.
+pub(crate) struct Owner {
+    pub(crate) clock: Clock,
+    inputs: Receiver<Input>,
+    pub(crate) to_self: Sender<Input>,
+    told: SyncSender<Told>,
+    /// The model that the program asks for; `None` is to find out.
+    pub(crate) asked_model: Option<Model>,
+    pub(crate) settings: BusSettings,
+    pub(crate) watched: BTreeSet<MotorId>,
+    pub(crate) is_halted: bool,
+    pub(crate) file: DrivenFile,
+    /// The open line; `None` while the port is lost.
+    pub(crate) host: Option<Host>,
+    /// The serial port; `None` for virtual motors.
+    port: Option<ChosenPort>,
+    pub(crate) stage: Stage,
+    /// The number of the open port. Bytes of an earlier one are not for this bus.
+    pub(crate) number: u32,
+    /// When a lost port is looked for next.
+    look_at: Instant,
+    /// The stop that was the last to end.
+    last_stop: Option<StopReport>,
+}
+
+impl Owner {
+    pub(crate) fn new(
+        options: &Options,
+        inputs: Receiver<Input>,
+        to_self: Sender<Input>,
+        told: SyncSender<Told>,
+    ) -> Self {
+        Self {
+            clock: Clock::new(),
+            inputs,
+            to_self,
+            told,
+            asked_model: options.model,
+            settings: options.settings,
+            watched: options.watch.iter().copied().collect(),
+            is_halted: false,
+            file: DrivenFile::none(),
+            host: None,
+            port: None,
+            stage: Stage::OnTrial,
+            number: 0,
+            look_at: Instant::ZERO,
+            last_stop: None,
+        }
+    }
+
+    /// Opens the port, tells whether it is open, and runs it until the end.
+    pub(crate) fn run(
+        mut self,
+        options: &Options,
+        opened: &SyncSender<Result<Model, OpenFailure>>,
+    ) -> Ending {
+        run_on_time();
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            let model = self.open(options);
+            let is_open = model.is_ok();
+            // The program waits for it.
+            let _ = opened.send(model);
+            if is_open {
+                self.run_open();
+            }
+        }));
+        let has_failed = result.is_err();
+        if has_failed {
+            self.stop_after_failure();
+        }
+        let now = self.clock.now();
+        if let Some(host) = self.host.take() {
+            let (last, left) = host.close(now);
+            for event in last {
+                self.tell(now, Entry::Event(event));
+            }
+            self.file.carry(left);
+        }
+        Ending {
+            last_stop: self.last_stop,
+            may_turn: self
+                .file
+                .take_left()
+                .into_iter()
+                .map(|motor| motor.id)
+                .collect(),
+            has_failed,
+        }
+    }
+
+    fn open(&mut self, options: &Options) -> Result<Model, OpenFailure> {
+        match &options.place {
+            Place::Virtual(virtual_line) => {
+                let now = self.clock.now();
+                let motors = &virtual_line.world.motors;
+                self.watched.extend(motors.iter().map(|motor| motor.id));
+                let bus = self.new_bus(now, virtual_line.model());
+                let line = Box::new(World::new(virtual_line.world.clone()));
+                let has_queried = !self.asks_for_id();
+                self.host = Some(Host {
+                    bus,
+                    line,
+                    has_queried,
+                });
+            }
+            Place::OnlyAdapter => self.open_port(options, None)?,
+            Place::Port(path) => self.open_port(options, Some(path))?,
+        }
+        self.settle();
+        self.finish_opening();
+        let model = self.host.as_ref().map(|host| host.bus.model());
+        model.ok_or(OpenFailure::Lost)
+    }
+
+    /// Waits until the ID query has ended, and the stop of what was left driven: the bus refuses other commands meanwhile.
+    /// Then it waits a little for the first reply of each motor: before it, the bus starts none.
+    fn finish_opening(&mut self) {
+        let begun = self.clock.now();
+        let mut free_since = None;
+        while !self.stage.is_ending() {
+            let wake = self.turn();
+            let now = self.clock.now();
+            let Some(host) = &self.host else { return };
+            if host.has_queried && !host.bus.is_stopping() {
+                let waited = now.since(*free_since.get_or_insert(now));
+                let answered = host.bus.motors(now).all(|motor| motor.last.is_some());
+                if (answered && host.bus.model_known()) || waited >= FIRST_REPLY_MAX {
+                    return;
+                }
+            }
+            if now.since(begun) >= OPENING_MAX {
+                return;
+            }
+            self.take_inputs(wake);
+        }
+    }
+
+    fn open_port(&mut self, options: &Options, path: Option<&str>) -> Result<(), OpenFailure> {
+        let port = ChosenPort::find(path)?;
+        let path = port.path.clone();
+        // The superuser may open a port that another program has open.
+        if let Some(holder) = holder_of(&path) {
+            let holder = Some(holder);
+            return Err(OpenFailure::Busy { path, holder });
+        }
+        let folder = options.state_folder.as_deref();
+        match folder.map(|folder| DrivenFile::open(folder, &port.identity())) {
+            Some(Ok(file)) => self.file = file,
+            Some(Err(NoFile::InUse)) => return Err(OpenFailure::Busy { path, holder: None }),
+            Some(Err(NoFile::Refused)) | None => {
+                let now = self.clock.now();
+                self.tell(now, Entry::NotRemembered);
+            }
+        }
+        self.port = Some(port);
+        self.open_serial(&path)
+    }
+
+    /// Ends the trial of the port: the program may drive from now on.
+    fn settle(&mut self) {
+        let now = self.clock.now();
+        if let Some(host) = &mut self.host {
+            host.bus.end_trial(now);
+        }
+        if self.stage == Stage::OnTrial {
+            self.stage = Stage::Settled;
+        }
+    }
+
+    /// Runs the open port until the program ends it.
+    fn run_open(&mut self) {
+        loop {
+            let wake = self.turn();
+            if let Stage::Ending { has_stopped } = self.stage
+                && (has_stopped || !self.is_active())
+            {
+                return;
+            }
+            self.take_inputs(wake);
+        }
+    }
+
+    /// Whether a motor is driven or turns. Nothing can be stopped while the port is lost: the next driver does it.
+    fn is_active(&mut self) -> bool {
+        let now = self.clock.now();
+        self.host
+            .as_ref()
+            .is_some_and(|host| host.bus.is_active(now))
+    }
+
+    /// Does everything that is due. Returns when the next turn is.
+    pub(crate) fn turn(&mut self) -> Instant {
+        let now = self.clock.now();
+        let Some(mut host) = self.host.take() else {
+            return self.look_for_port(now);
+        };
+        let mut entries = Vec::new();
+        let turned = host.turn(now, &mut self.file, |entry| entries.push(entry));
+        // The bus stops all motors by itself after a silence of the program or a sleep of the computer.
+        self.is_halted |= host.bus.is_halted();
+        self.host = Some(host);
+        for entry in entries {
+            if let Entry::Event(Event::StopEnded(report)) = &entry {
+                if let Stage::Ending { has_stopped } = &mut self.stage {
+                    *has_stopped |= report.reason == StopReason::Disconnect;
+                }
+                self.last_stop = Some(report.clone());
+            }
+            self.tell(now, entry);
+        }
+        match turned {
+            Turned::Wait(at) => at,
+            Turned::Gone => {
+                self.lose_port();
+                now
+            }
+        }
+    }
+
+    fn tell(&mut self, now: Instant, entry: Entry) {
+        let told = match entry {
+            Entry::Event(Event::PingPage) => Told::Ping,
+            entry => Told::Entry(now, entry),
+        };
+        match self.told.try_send(told) {
+            // A program that takes nothing is stopped by the watchdog of the bus, as its pings are lost too.
+            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
+        }
+    }
+
+    /// Waits until this moment or the next input, and handles all that is there.
+    pub(crate) fn take_inputs(&mut self, until: Instant) {
+        let wait = until.since(self.clock.now()).min(SLEEP_MAX);
+        match self.inputs.recv_timeout(wait) {
+            Ok(input) => self.handle(input),
+            Err(RecvTimeoutError::Timeout) => return,
+            // This thread has a sender too.
+            Err(RecvTimeoutError::Disconnected) => {}
+        }
+        while let Ok(input) = self.inputs.try_recv() {
+            self.handle(input);
+        }
+    }
+
+    fn handle(&mut self, input: Input) {
+        let now = self.clock.now();
+        match (input, &mut self.host) {
+            (Input::Bytes(number, bytes), Some(host)) if number == self.number => {
+                host.receive(now, &bytes);
+            }
+            (Input::PortGone(number), Some(_)) if number == self.number => self.lose_port(),
+            (Input::Bytes(..) | Input::PortGone(_), _) | (Input::Alive, None) => {}
+            (Input::Alive, Some(host)) => host.bus.page_answered(now),
+            (Input::Command(command, given), _) => {
+                if command.is_too_old(given.elapsed()) {
+                    self.tell(now, Entry::TooLate(command.into()));
+                } else {
+                    self.command(now, command);
+                }
+            }
+            (Input::Status(answer), _) => {
+                // Who asked waits for it.
+                let _ = answer.try_send(self.status(now));
+            }
+            (Input::End, _) => self.begin_end(now),
+            #[cfg(test)]
+            (Input::Panic, _) => panic!("asked for by a test"),
+        }
+    }
+
+    fn command(&mut self, now: Instant, command: Command) {
+        match command {
+            Command::Configure(settings) => self.settings = settings,
+            Command::Watch(id) => _ = self.watched.insert(id),
+            Command::Forget(id) => _ = self.watched.remove(&id),
+            Command::StopAll(_) => self.is_halted = true,
+            Command::Release => self.is_halted = false,
+            _ => {}
+        }
+        match &mut self.host {
+            Some(host) if self.stage == Stage::Settled || !command.may_move() => {
+                if let Err(refusal) = host.bus.command(now, command) {
+                    let command = command.into();
+                    self.tell(now, Entry::Refused { command, refusal });
+                }
+            }
+            _ => self.tell(now, Entry::NotConnected(command.into())),
+        }
+    }
+
+    fn begin_end(&mut self, now: Instant) {
+        if self.stage.is_ending() {
+            return;
+        }
+        self.stage = Stage::Ending { has_stopped: false };
+        if let Some(host) = &mut self.host
+            && host.bus.is_active(now)
+        {
+            let stop = Command::StopAll(StopReason::Disconnect);
+            // A stop is never refused.
+            let _: Result<(), Refusal> = host.bus.command(now, stop);
+        }
+    }
+
+    /// Closes the line, and remembers what is left driven on it.
+    pub(crate) fn close_line(&mut self) {
+        let now = self.clock.now();
+        if let Some(host) = self.host.take() {
+            let (last, left) = host.close(now);
+            self.file.carry(left);
+            for event in last {
+                self.tell(now, Entry::Event(event));
+            }
+        }
+    }
+
+    fn lose_port(&mut self) {
+        let now = self.clock.now();
+        let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
+            host.bus.left_driven().map(|motor| motor.id).collect()
+        });
+        self.close_line();
+        self.look_at = now;
+        if self.stage != Stage::OnTrial {
+            self.tell(now, Entry::PortLost { driven });
+        }
+    }
+
+    /// Opens a lost port again if it is back.
+    fn look_for_port(&mut self, now: Instant) -> Instant {
+        if now < self.look_at || self.stage != Stage::Settled {
+            return self.look_at.max(now);
+        }
+        self.look_at = now + REOPEN_PAUSE;
+        let Some(path) = self.port.as_ref().and_then(ChosenPort::again) else {
+            return self.look_at;
+        };
+        let model = self.file.left_model().or(self.asked_model);
+        let is_open = match model {
+            Some(model) => self.open_for(&path, model).is_ok(),
+            None => self.open_serial(&path).is_ok(),
+        };
+        if is_open {
+            self.settle();
+            self.tell(now, Entry::PortBack);
+            return now;
+        }
+        self.look_at
+    }
+
+    fn status(&self, now: Instant) -> Status {
+        let bus = self.host.as_ref().map(|host| &host.bus);
+        Status {
+            now,
+            is_open: bus.is_some(),
+            is_halted: self.is_halted,
+            motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
+            job: bus.and_then(motorlink_bus::Bus::job),
+            raw: bus.and_then(motorlink_bus::Bus::raw),
+            line: bus.map(|bus| bus.line_status(now)),
+        }
+    }
+
+    /// The bus has failed, and its state is not to be trusted. The line is: another bus stops what the file names.
+    fn stop_after_failure(&mut self) {
+        self.stage = Stage::Ending { has_stopped: false };
+        self.is_halted = true;
+        let now = self.clock.now();
+        let Some(mut host) = self.host.take() else {
+            return;
+        };
+        let nothing = LeftBehind::nothing(host.bus.model());
+        let left = self.file.written().unwrap_or(nothing);
+        host.bus = self.new_bus(now, left.model).after_another(now);
+        host.bus.stop_first(now, left.motors);
+        self.host = Some(host);
+        // If this one fails too, the motors are in the file.
+        let _ = catch_unwind(AssertUnwindSafe(|| self.run_open()));
+    }
+}
