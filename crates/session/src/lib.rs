@@ -56,6 +56,7 @@ mod replay;
 mod runs;
 mod writer;
 
+pub use channels::TelemetryJson;
 pub use copy::{BOOKMARK_TEXT_MAX, CopyStep, Copying, copy};
 pub use export::{About, Table, report};
 pub use import::Import;

@@ -40,10 +40,10 @@ impl Speed {
 /// Seeds of the full scans; one run in a thousand may miss a motor.
 const SCAN_SEEDS: &str = "1000";
 
-/// Builds the virtual motor and the library that shows Chromium its serial line.
+/// Builds the command, which has the virtual motors, and the library that shows Chromium its serial line.
 pub fn build_programs(workspace: &Workspace) -> Result<()> {
     let mut cargo = cargo::command(workspace, &["build", "--profile", PROFILE]);
-    cargo.args(["--package", "virtual-motor", "--package", "udev-shim"]);
+    cargo.args(["--package", "motorlink-command", "--package", "udev-shim"]);
     process::run(&mut cargo)
 }
 
@@ -53,14 +53,14 @@ pub fn set_paths(command: &mut Command, workspace: &Workspace, browser: &Browser
     command
         .current_dir(workspace.root())
         .env("MOTORLINK_UDEV_SHIM", udev_shim(&built))
-        .env("MOTORLINK_VIRTUAL_MOTOR", virtual_motor(&built))
+        .env("MOTORLINK_COMMAND", motorlink(&built))
         .env("MOTORLINK_DIST", workspace.dist())
         .env("MOTORLINK_CHROMIUM", &browser.chromium)
         .env("CHROMEDRIVER", &browser.driver);
 }
 
-fn virtual_motor(built: &Path) -> PathBuf {
-    built.join(format!("virtual-motor{}", std::env::consts::EXE_SUFFIX))
+fn motorlink(built: &Path) -> PathBuf {
+    built.join(format!("motorlink{}", std::env::consts::EXE_SUFFIX))
 }
 
 fn udev_shim(built: &Path) -> PathBuf {

@@ -16,8 +16,10 @@ use crate::site_file::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// The program of the page, which is split into parts.
+/// The program of the page, which is split into parts, as the site names it.
 pub const PAGE: &str = "motorlink";
+/// The same, as cargo names it.
+const PAGE_OF_CARGO: &str = "page";
 
 /// The programs that a browser loads, by the stem of their files: what a person sees, the worker that owns the port, the
 /// one that keeps packet log and recording, the one that writes and reads session files, and the runs of experiments in
@@ -60,7 +62,8 @@ fn bind(workspace: &Workspace, profile: Profile, name: &str, bindgen: &Path) -> 
         .target()
         .join(WASM_TARGET)
         .join(profile.target_dir())
-        .join(format!("{name}.wasm"));
+        .join(if name == PAGE { PAGE_OF_CARGO } else { name })
+        .with_extension("wasm");
     let out = workspace
         .target()
         .join("bindgen")

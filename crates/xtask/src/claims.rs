@@ -28,7 +28,7 @@ const FILES: [&str; 4] = [
 const EXCEPT: [&str; 5] = [
     "crates/fault-simulation/",
     "crates/simulator/",
-    "crates/virtual-motor/",
+    "crates/command/src/virtual_motors/",
     "crates/bus/tests/",
     "crates/xtask/src/claims.rs",
 ];

@@ -25,10 +25,10 @@ pub fn show(workspace: &Workspace) -> Result<()> {
     let sequences = [&package[..], &["--test", "sequences", "--", "--nocapture"]].concat();
     let mut sequences = cargo::command(workspace, &sequences);
     process::run(sequences.env("SEQUENCE_SEEDS", SEQUENCE_SEEDS))?;
-    let package = ["test", "--package", "virtual-motor"];
+    let package = ["test", "--package", "motorlink-command"];
     let programs = [
         &package[..],
-        &["--test", "generated_programs", "--test", "ros2_files"],
+        &["--test", "command", "generated_programs", "ros2_files"],
     ]
     .concat();
     process::run(&mut cargo::command(workspace, &programs))

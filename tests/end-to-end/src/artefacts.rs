@@ -19,16 +19,16 @@ pub fn udev_shim() -> Result<PathBuf> {
     )
 }
 
-/// The program at the far end of the wire: `MOTORLINK_VIRTUAL_MOTOR`, or in the workspace's target directory.
+/// The command with the motors at the far end of the wire: `MOTORLINK_COMMAND`, or in the workspace's target directory.
 ///
 /// # Errors
 ///
 /// When it is in neither place.
-pub fn virtual_motor() -> Result<PathBuf> {
+pub fn command() -> Result<PathBuf> {
     find(
-        "MOTORLINK_VIRTUAL_MOTOR",
-        &in_target("virtual-motor"),
-        "cargo build -p virtual-motor",
+        "MOTORLINK_COMMAND",
+        &in_target("motorlink"),
+        "cargo build -p motorlink-command",
     )
 }
 

@@ -96,7 +96,7 @@ impl Bench {
     ///
     /// # Errors
     ///
-    /// When `virtual-motor` is not built or does not start.
+    /// When the command `motorlink` is not built or does not start.
     pub fn plug(&self, line: Line, usb: Usb) -> Result<Adapter> {
         let name = format!(
             "adapter-{}",

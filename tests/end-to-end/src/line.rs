@@ -1,6 +1,6 @@
 //! The bus of an adapter.
 
-/// The motors on a bus, as arguments of `virtual-motor`.
+/// The motors on a bus, as arguments of `motorlink virtual`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     /// The motors on the bus.

@@ -27,11 +27,12 @@ pub(crate) struct Motors {
 impl Motors {
     /// Starts them with their terminal at `node` and their wire log in `log`; `dir` is for their output.
     pub(crate) fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
-        let program = artefacts::virtual_motor()?;
+        let program = artefacts::command()?;
         let ids: Vec<String> = line.ids.iter().map(ToString::to_string).collect();
         let errors = dir.join("virtual-motor.stderr");
         let output = dir.join("virtual-motor.stdout");
         let child = Command::new(&program)
+            .arg("virtual")
             .args(["--ids", &ids.join(",")])
             .args(["--turnaround-us", &line.turnaround_us.to_string()])
             .arg("--link")
@@ -49,7 +50,7 @@ impl Motors {
             node: node.to_owned(),
             output,
         };
-        wait_until("virtual-motor to make its node", WAIT_MAX, || {
+        wait_until("the virtual motors to make its node", WAIT_MAX, || {
             if let Some(status) = motors.program.try_wait()? {
                 let error = fs::read_to_string(&errors).unwrap_or_default();
                 bail!("{} ended, {status}: {}", program.display(), error.trim());
@@ -92,7 +93,7 @@ impl Drop for Motors {
             // It may have ended already.
             let _ = kill_process(pid, Signal::TERM);
         }
-        let ended = wait_until("virtual-motor to end", END_MAX, || {
+        let ended = wait_until("the virtual motors to end", END_MAX, || {
             Ok(self
                 .program
                 .try_wait()?

@@ -1,4 +1,4 @@
-//! The log of a wire, as written by `virtual-motor`.
+//! The log of a wire, as `motorlink virtual` writes it.
 
 use std::path::Path;
 use std::{fmt, fs};

@@ -18,6 +18,7 @@ pub(crate) mod rover;
 pub(crate) mod schemas;
 pub(crate) mod state;
 pub(crate) mod telemetry;
+pub use telemetry::TelemetryJson;
 pub(crate) mod wire;
 
 pub(crate) use json::{integer, push_text};

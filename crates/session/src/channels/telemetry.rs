@@ -73,6 +73,22 @@ impl Motors {
     }
 }
 
+/// Telemetry as JSON, from the events of a line: the messages of `/motors/<id>/telemetry`.
+#[derive(Debug, Default)]
+pub struct TelemetryJson {
+    motors: Motors,
+}
+
+impl TelemetryJson {
+    /// Takes an event of the bus. Returns the motor and its message, if it is a reply that says something of the wheel.
+    pub fn add_event(&mut self, event: &LineEvent) -> Option<(MotorId, String)> {
+        let reported = self.motors.add_event(event)?;
+        let mut json = String::new();
+        reported.write(&mut json, event.at);
+        Some((reported.reply.id, json))
+    }
+}
+
 impl Motor {
     fn reported(&mut self, at: Instant, reply: Reply, current: Option<Current>) -> Reported {
         let before = self.replied.replace(reply);

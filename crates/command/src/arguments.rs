@@ -1,0 +1,400 @@
+//! The command line.
+
+use std::{fmt, path::PathBuf, str::FromStr, time::Duration};
+
+#[cfg(unix)]
+use crate::virtual_motors::VirtualMotors;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use motorlink_bus::{CommandRate, Mirror, Ramp};
+use motorlink_protocol::{AssignableId, Frame, MotorId, family::Model};
+
+/// Drives hub motors DDSM115 (M0601), DDSM315, DDSM210 and DDSM400 on a serial port, and shows what they do.
+///
+/// Motors are stopped, and their standstill is confirmed, whenever this program ends. If it is killed, or the computer
+/// fails, the wheel may keep turning: cut its power, or run any command of motorlink, which stops it first.
+#[derive(Debug, Parser)]
+#[command(name = "motorlink", version, after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    pub global: Global,
+    #[command(subcommand)]
+    pub action: Action,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  motorlink scan                                 which motors are on the bus
+  motorlink drive velocity 100 --secs 3          100 rpm for three seconds, then a confirmed stop
+  motorlink --id 1,-2 drive velocity 60          two wheels of a rover; the second is mirrored
+  motorlink --virtual=2 monitor                  without hardware
+  motorlink set-id --new 2                       give the only motor on the bus another ID
+  motorlink monitor --csv > telemetry.csv
+
+Exit codes: 0 done; 1 not done, or a stop was not confirmed; 2 the command line or a file cannot be used.";
+
+/// What every command takes.
+#[derive(Debug, Args)]
+pub struct Global {
+    /// Serial port, such as /dev/ttyUSB0 or COM3; without it, the only USB adapter
+    #[arg(long, global = true, value_name = "PORT")]
+    pub port: Option<String>,
+    /// Motors, 1-254 or 0x01-0xFE, with commas between. A minus before one mirrors it: its wheel is mounted the other way
+    /// round
+    #[arg(
+        long,
+        global = true,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        value_name = "ID,ID.."
+    )]
+    pub id: Vec<SignedId>,
+    /// Model of the motors: ddsm115, ddsm315, ddsm210 or ddsm400, or the maker's name (M0601, M0602C, M0603C, M0603A);
+    /// without it, by their replies. A ddsm315 answers as a ddsm115
+    #[arg(long, global = true, value_name = "MODEL")]
+    pub model: Option<Model>,
+    /// Use virtual motors in place of a port: so many, with IDs from 1
+    #[arg(
+        long = "virtual",
+        global = true,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1",
+        value_parser = clap::value_parser!(u8).range(1..=16),
+        value_name = "COUNT"
+    )]
+    pub virtual_motors: Option<u8>,
+    /// How long to wait for the first reply of a motor, in seconds
+    #[arg(long, global = true, default_value = "1", value_parser = seconds, value_name = "SECS")]
+    pub timeout: Duration,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Action {
+    /// List the serial ports, their adapters, and what holds them
+    Ports {
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Find the motors on the bus: every ID is asked, in about two seconds
+    Scan {
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+        /// Every scan is a full one; for scripts written for m0601
+        #[arg(long, hide = true)]
+        full: bool,
+    },
+    /// What each motor reports now
+    Info {
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show what the motors report until Ctrl-C
+    Monitor(Monitor),
+    /// Drive motors, then stop them and confirm their standstill
+    Drive {
+        #[command(subcommand)]
+        drive: Drive,
+    },
+    /// Stop motors that turn: those of --id, or all that answer
+    Stop,
+    /// Give the only motor on the bus another ID, which it keeps without power
+    SetId {
+        /// The new ID
+        #[arg(long, value_parser = assignable, value_name = "ID")]
+        new: AssignableId,
+        /// Do not ask first
+        #[arg(long)]
+        yes: bool,
+    },
+    /// Send ten bytes as they are, or nine with their CRC added, and show the answer
+    Raw {
+        /// Bytes in hex, such as "01 74 00 00 00 00 00 00 00"
+        #[arg(value_parser = frame, value_name = "BYTES")]
+        frame: Frame,
+        /// Send what may move a wheel or change a motor without asking
+        #[arg(long)]
+        yes: bool,
+    },
+    /// Record the line to a session file, which the page opens and replays
+    Record {
+        /// The file (.mcap)
+        file: PathBuf,
+        /// End after so many seconds; without it, at Ctrl-C
+        #[arg(long, value_parser = seconds, value_name = "SECS")]
+        secs: Option<Duration>,
+    },
+    /// Show virtual motors on a pseudo-terminal, for any serial program
+    ///
+    /// Prints `ready <path>` when a serial program may open that path, 8N1 at the baud of the model: 115200, or
+    /// 38400 of a ddsm400. At another baud no motor answers. Commands on standard
+    /// input, one a line, each answered by `ok ..` or `error: ..`: `block 1 on|off`, `load 1 <N.m>`,
+    /// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`, and `stall <ms>`, during which
+    /// nothing passes the adapter.
+    #[cfg(unix)]
+    Virtual(VirtualMotors),
+    /// Print, check and convert session files
+    Session {
+        #[command(subcommand)]
+        action: SessionAction,
+    },
+}
+
+/// How `monitor` shows what it gets.
+#[derive(Debug, Args)]
+pub struct Monitor {
+    /// How often a line is shown, or a row is written at most. An idle motor is asked ten times a second
+    #[arg(long, default_value_t = 5.0, value_parser = hertz)]
+    pub hz: f64,
+    /// CSV: to this file, or to the standard output
+    #[arg(long, num_args = 0..=1, value_name = "FILE")]
+    #[expect(clippy::option_option, reason = "absent, without a value, or with one")]
+    pub csv: Option<Option<PathBuf>>,
+    /// A line of JSON for every reply
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// End after so many seconds; without it, at Ctrl-C
+    #[arg(long, value_parser = seconds, value_name = "SECS")]
+    pub secs: Option<Duration>,
+}
+
+/// The loop to drive in.
+#[derive(Debug, Subcommand)]
+pub enum Drive {
+    /// Hold a speed
+    Velocity {
+        /// Speed in rpm, such as 100 or -50
+        #[arg(
+            allow_hyphen_values = true,
+            required_unless_present = "rpm",
+            value_name = "RPM"
+        )]
+        value: Option<i32>,
+        /// The same
+        #[arg(
+            long,
+            allow_hyphen_values = true,
+            conflicts_with = "value",
+            hide = true
+        )]
+        rpm: Option<i32>,
+        /// How gently the motor itself speeds up, 0-255; more is gentler, and 0 is its default
+        #[arg(long, default_value_t = 0)]
+        accel: u8,
+        /// How fast the commanded speed may grow, in rpm a second
+        #[arg(long, value_parser = ramp, value_name = "RPM/S")]
+        ramp: Option<Ramp>,
+        #[command(flatten)]
+        how: How,
+    },
+    /// Hold a torque current
+    Current {
+        /// Current in A, such as 0.5 or -0.5
+        #[arg(
+            allow_hyphen_values = true,
+            required_unless_present = "amps",
+            value_name = "A"
+        )]
+        value: Option<f32>,
+        /// The same
+        #[arg(
+            long,
+            allow_hyphen_values = true,
+            conflicts_with = "value",
+            hide = true
+        )]
+        amps: Option<f32>,
+        /// Allow more than 6.1 A
+        #[arg(long)]
+        high_current: bool,
+        #[command(flatten)]
+        how: How,
+    },
+    /// Go to an angle and hold it
+    Position {
+        /// Angle in degrees, 0-360
+        #[arg(required_unless_present = "deg", value_name = "DEGREES")]
+        value: Option<f32>,
+        /// The same
+        #[arg(long, conflicts_with = "value", hide = true)]
+        deg: Option<f32>,
+        #[command(flatten)]
+        how: How,
+    },
+}
+
+/// How long and how fast to drive.
+#[derive(Clone, Debug, Args)]
+pub struct How {
+    /// Stop after so many seconds; without it, at Ctrl-C
+    #[arg(long, value_parser = seconds, value_name = "SECS")]
+    pub secs: Option<Duration>,
+    /// Drive frames a second to each motor, 1-500
+    #[arg(long, default_value = "50", value_parser = rate, value_name = "HZ")]
+    pub rate: CommandRate,
+    /// Record to this session file (.mcap)
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// What to do with a session file.
+#[derive(Debug, Subcommand)]
+pub enum SessionAction {
+    /// Print what is in a file, by its index
+    Info {
+        /// The file
+        file: PathBuf,
+    },
+    /// Read every record, and say what is missing or damaged. Exit code 1 if anything is
+    Check {
+        /// The file
+        file: PathBuf,
+    },
+    /// Convert a file. Exit code 1 if something of it is missing or damaged
+    Export {
+        /// The file
+        file: PathBuf,
+        /// What to make of it
+        #[arg(long, value_enum, default_value_t = Format::Plot)]
+        format: Format,
+        /// Where to write it; without it, to the standard output
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Write each run of an experiment as JSON, and as CSV of its setpoints and samples. Exit code 1 if one is unreadable
+    Runs {
+        /// The file
+        file: PathBuf,
+        /// The folder to write to
+        #[arg(long, default_value = ".")]
+        out: PathBuf,
+    },
+}
+
+/// What to make of a session file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// CSV for plotting, as in PlotJuggler: seconds, and a column for each motor and quantity
+    Plot,
+    /// CSV of telemetry, with the columns of the article's monitor script
+    Telemetry,
+    /// CSV of the packet log
+    Log,
+    /// What happened, as one HTML file
+    Report,
+    /// A session file, such as of a CSV file
+    Mcap,
+}
+
+/// A motor, and whether its wheel is mounted the other way round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SignedId {
+    pub id: MotorId,
+    pub mirror: Mirror,
+}
+
+impl FromStr for SignedId {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let (digits, mirror) = match text.strip_prefix('-') {
+            Some(digits) => (digits, Mirror::Mirrored),
+            None => (text, Mirror::Straight),
+        };
+        let id = digits.parse().map_err(|error| format!("{error}"))?;
+        Ok(Self { id, mirror })
+    }
+}
+
+/// `0x02`, or `-0x02` if mirrored.
+impl fmt::Display for SignedId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.mirror.is_mirrored() { "-" } else { "" };
+        write!(f, "{sign}{}", self.id)
+    }
+}
+
+fn assignable(text: &str) -> Result<AssignableId, String> {
+    let id: MotorId = text.trim().parse().map_err(|error| format!("{error}"))?;
+    AssignableId::new(id).map_err(|error| error.to_string())
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    const MAX: f64 = 86_400.0;
+    let seconds = text.trim().parse::<f64>().ok();
+    // Not a number compares false.
+    let seconds = seconds.filter(|seconds| (0.0..=MAX).contains(seconds));
+    let seconds = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.ok_or_else(|| "expected seconds, 0 to 86400".to_owned())
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    let hertz = text.trim().parse::<f64>().ok();
+    let hertz = hertz.filter(|hertz| (0.001..=1000.0).contains(hertz));
+    hertz.ok_or_else(|| "expected 0.001 to 1000 a second".to_owned())
+}
+
+fn rate(text: &str) -> Result<CommandRate, String> {
+    let rate = text.trim().parse().ok().map(CommandRate::new);
+    rate.and_then(Result::ok)
+        .ok_or_else(|| "expected 1 to 500 a second".to_owned())
+}
+
+fn ramp(text: &str) -> Result<Ramp, String> {
+    let ramp = text.trim().parse().ok().map(Ramp::new);
+    ramp.and_then(Result::ok)
+        .ok_or_else(|| "expected 1 to 10000 rpm a second".to_owned())
+}
+
+/// Ten bytes, or nine to which the CRC is added. Commas and `0x` are allowed.
+fn frame(text: &str) -> Result<Frame, String> {
+    let words = text.split(|letter: char| letter == ',' || letter.is_whitespace());
+    let words = words.filter(|word| !word.is_empty());
+    let bytes = words.map(|word| {
+        let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X"));
+        let byte = u8::from_str_radix(digits.unwrap_or(word), 16);
+        byte.map_err(|_| format!("`{word}` is not a byte in hex"))
+    });
+    let bytes = bytes.collect::<Result<Vec<u8>, _>>()?;
+    if let Ok(bytes) = <[u8; 10]>::try_from(bytes.as_slice()) {
+        return Ok(Frame::new(bytes));
+    }
+    let bytes = <[u8; 9]>::try_from(bytes.as_slice());
+    let bytes = bytes.map_err(|_| "expected ten bytes, or nine without the CRC".to_owned())?;
+    Ok(Frame::with_crc(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_of_nine_bytes_gets_its_crc_and_one_of_ten_stays() {
+        let query = "01 74 00 00 00 00 00 00 00 04";
+        assert_eq!(
+            frame("0x01,0x74, 00 00 00 00 00 00 00").unwrap(),
+            query.parse().unwrap()
+        );
+        let wrong_crc = frame("01 74 00 00 00 00 00 00 00 FF").unwrap();
+        assert_eq!(wrong_crc.bytes()[9], 0xFF);
+        assert!(frame("01 74").is_err());
+        assert!(frame("").is_err());
+    }
+
+    #[test]
+    fn an_id_with_a_minus_is_mirrored() {
+        let parsed: SignedId = "-0x02".parse().unwrap();
+        assert_eq!((parsed.id.get(), parsed.mirror), (2, Mirror::Mirrored));
+        assert!("0".parse::<SignedId>().is_err());
+        assert!("--2".parse::<SignedId>().is_err());
+    }
+
+    #[test]
+    fn every_command_line_is_consistent() {
+        <Arguments as clap::CommandFactory>::command().debug_assert();
+    }
+}

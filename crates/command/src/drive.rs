@@ -1,0 +1,188 @@
+//! `motorlink drive`: holds a setpoint, then stops the motors and confirms their standstill.
+
+use std::{
+    io::{IsTerminal, Write, stdout},
+    time::{Duration, Instant},
+};
+
+use motorlink_bus::{
+    Activity, BusSettings, Command, Consent, GroupSetpoints, MotorStatus, needs_consent,
+};
+use motorlink_driver::{Ender, Status};
+use motorlink_protocol::{
+    Acceleration, CurrentTarget, PositionTarget, Setpoint, SpeedTarget, family::Model,
+};
+
+use crate::{
+    arguments::{Drive, Global, How, SignedId},
+    connection::{Connection, Happened, ends_drive},
+    failure::Failure,
+    recording::Recording,
+    values::Values,
+};
+
+/// How often the line of a terminal is drawn.
+const DRAW: Duration = Duration::from_millis(100);
+
+/// Drives the motors until the time is over, Ctrl-C, or one of them ends it.
+pub fn run(global: &Global, drive: Drive, ender: &Ender) -> Result<(), Failure> {
+    let (setpoint, how, settings, consent) = asked(drive)?;
+    let mut connection = Connection::open(global, settings, ender)?;
+    let mut recording = how.record.as_deref().map(Recording::create).transpose()?;
+    connection.wait_for_motors()?;
+    let model = connection.driver.model();
+    connection
+        .driver
+        .command(command(&connection.motors, setpoint, consent)?);
+    let result = hold(&connection, how.secs, model, recording.as_mut());
+    let stopped = connection.end_with(|at, entry| match &mut recording {
+        Some(recording) => recording.add(at, entry),
+        None => Ok(()),
+    });
+    if let Some(recording) = recording {
+        recording.finish()?;
+    }
+    match result {
+        // Ctrl-C is the usual end of a drive.
+        Ok(()) | Err(Failure::Interrupted) => stopped,
+        Err(failure) => stopped.and(Err(failure)),
+    }
+}
+
+/// Reads the setpoint, of a wheel that is not mirrored.
+fn asked(drive: Drive) -> Result<(Setpoint, How, BusSettings, Consent), Failure> {
+    let mut settings = BusSettings::default();
+    let (setpoint, how, consent) = match drive {
+        Drive::Velocity {
+            value,
+            rpm,
+            accel,
+            ramp,
+            how,
+        } => {
+            settings.ramp = ramp;
+            let speed = SpeedTarget::new(value.or(rpm).unwrap_or_default()).map_err(usage)?;
+            let acceleration = Acceleration::new(accel);
+            (
+                Setpoint::Velocity {
+                    speed,
+                    acceleration,
+                },
+                how,
+                Consent::None,
+            )
+        }
+        Drive::Current {
+            value,
+            amps,
+            high_current,
+            how,
+        } => {
+            let amps = value.or(amps).unwrap_or_default();
+            if !(-8.0..=8.0).contains(&amps) {
+                return Err(Failure::Usage("current: expected -8 to 8 A".to_owned()));
+            }
+            let target = CurrentTarget::from_amps(amps);
+            let setpoint = Setpoint::Current(target);
+            if needs_consent(setpoint) == Consent::HighCurrent && !high_current {
+                let text = format!("{target} is above 6.1 A: add --high-current to allow it");
+                return Err(Failure::Usage(text));
+            }
+            (setpoint, how, needs_consent(setpoint))
+        }
+        Drive::Position { value, deg, how } => {
+            let degrees = value.or(deg).unwrap_or_default();
+            if !(0.0..=360.0).contains(&degrees) {
+                return Err(Failure::Usage(
+                    "angle: expected 0 to 360 degrees".to_owned(),
+                ));
+            }
+            let target = PositionTarget::from_degrees(degrees);
+            (Setpoint::Position(target), how, Consent::None)
+        }
+    };
+    settings.rate = how.rate;
+    Ok((setpoint, how, settings, consent))
+}
+
+fn usage(error: impl std::fmt::Display) -> Failure {
+    Failure::Usage(error.to_string())
+}
+
+fn command(motors: &[SignedId], setpoint: Setpoint, consent: Consent) -> Result<Command, Failure> {
+    let of = |motor: &SignedId| (motor.id, motor.mirror.setpoint(setpoint));
+    let entries: Vec<_> = motors.iter().map(of).collect();
+    Ok(match entries.as_slice() {
+        [(id, setpoint)] => Command::Start {
+            id: *id,
+            setpoint: *setpoint,
+            consent,
+        },
+        entries => {
+            let setpoints = GroupSetpoints::new(entries).map_err(usage)?;
+            Command::StartGroup { setpoints, consent }
+        }
+    })
+}
+
+/// Waits until the time is over, which counts from the moment at which all motors are driven.
+fn hold(
+    connection: &Connection,
+    secs: Option<Duration>,
+    model: Model,
+    mut recording: Option<&mut Recording>,
+) -> Result<(), Failure> {
+    let shows = stdout().is_terminal();
+    let mut until = None;
+    let mut draw_at = Instant::now();
+    loop {
+        if let Happened::Entry(at, entry) = connection.next()? {
+            if let Some(recording) = &mut recording {
+                recording.add(at, &entry)?;
+            }
+            if ends_drive(&entry) {
+                return Err(Failure::NotDone("the drive has ended".to_owned()));
+            }
+        }
+        let now = Instant::now();
+        if until.is_some_and(|until| now >= until) {
+            return Ok(());
+        }
+        if now < draw_at && until.is_some() {
+            continue;
+        }
+        let status = connection.status()?;
+        let of = |signed: &SignedId| status.motors.iter().find(|motor| motor.id == signed.id);
+        let is_driven = |signed: &SignedId| {
+            of(signed).is_some_and(|motor| matches!(motor.activity, Activity::Driven { .. }))
+        };
+        if until.is_none() && connection.motors.iter().all(is_driven) {
+            until = secs.map(|secs| now + secs);
+        }
+        if now >= draw_at {
+            draw_at = now + DRAW;
+            if shows {
+                draw(&status, &connection.motors, model);
+            }
+        }
+    }
+}
+
+fn draw(status: &Status, motors: &[SignedId], model: Model) {
+    let of = |signed: &SignedId| {
+        let motor: &MotorStatus = status.motors.iter().find(|motor| motor.id == signed.id)?;
+        let values = Values::of(model, motor, status.now, *signed);
+        let speed = values
+            .speed_rpm
+            .map_or_else(|| "-".to_owned(), |rpm| format!("{rpm:+}"));
+        let current = values.current.unwrap_or_else(|| "-".to_owned());
+        Some(format!(
+            "{signed} {speed:>4} rpm {current} ({})",
+            values.does
+        ))
+    };
+    let motors: Vec<_> = motors.iter().filter_map(of).collect();
+    print!("\r\x1b[K{}  Ctrl-C stops", motors.join("  "));
+    // A terminal that is gone ends the program by a signal.
+    let _ = stdout().flush();
+}

@@ -1,0 +1,106 @@
+//! The command `motorlink`: the same bus as on the page, in a terminal. See `motorlink --help`.
+
+mod arguments;
+mod confirm;
+mod connection;
+mod drive;
+mod failure;
+mod info;
+mod monitor;
+mod ports;
+mod raw;
+mod recording;
+mod scan;
+mod session;
+mod set_id;
+mod stop;
+mod values;
+#[cfg(unix)]
+mod virtual_motors;
+mod watching;
+mod words;
+
+use std::process::ExitCode;
+
+use clap::{Parser, error::ErrorKind};
+use motorlink_driver::Ender;
+
+use arguments::{Action, Arguments};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let arguments = match arguments.action {
+        Action::Session { action } => return session::run(action),
+        _ => arguments,
+    };
+    #[cfg(unix)]
+    let arguments = match arguments.action {
+        // It handles signals itself.
+        Action::Virtual(flags) => {
+            let model = arguments.global.model.unwrap_or_default();
+            return exit(virtual_motors::run(flags, model));
+        }
+        _ => arguments,
+    };
+    let ender = Ender::default();
+    let of_signal = ender.clone();
+    // Ctrl-C, SIGTERM, SIGHUP and the console events of Windows end the driver, which stops the motors.
+    if let Err(error) = ctrlc::set_handler(move || of_signal.end()) {
+        eprintln!("motorlink: signals cannot be handled, so nothing is driven: {error}");
+        return ExitCode::FAILURE;
+    }
+    exit(run(arguments, &ender))
+}
+
+fn exit(done: Result<(), Failure>) -> ExitCode {
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("motorlink: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(Arguments { global, action }: Arguments, ender: &Ender) -> Result<(), Failure> {
+    match action {
+        Action::Ports { json } => ports::run(json),
+        Action::Scan { json, full: _ } => scan::run(&global, json, ender),
+        Action::Info { json } => info::run(&global, json, ender),
+        Action::Monitor(how) => monitor::run(&global, &how, ender),
+        Action::Drive { drive } => drive::run(&global, drive, ender),
+        Action::Stop => stop::run(&global, ender),
+        Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),
+        Action::Raw { frame, yes } => raw::run(&global, frame, yes, ender),
+        Action::Record { file, secs } => recording::run(&global, &file, secs, ender),
+        // They need no line.
+        Action::Session { .. } => Ok(()),
+        #[cfg(unix)]
+        Action::Virtual(_) => Ok(()),
+    }
+}
+
+/// Prints a help text, or what is wrong with the command line in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            print!("{error}");
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            eprint!("{error}");
+            ExitCode::from(2)
+        }
+        _ => {
+            let text = error.to_string();
+            let first = text.lines().next().unwrap_or_default();
+            let said = first.strip_prefix("error: ").unwrap_or(first);
+            eprintln!("motorlink: {said}; see --help");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The commands `info` and `check`.
+
+use std::{io, process::ExitCode};
+
+use motorlink_recorder::push_iso;
+use motorlink_session::{Overview, Problem, Problems, Source, What, for_each_record, overview};
+
+use crate::session::file::{Failure, Opened};
+
+/// Prints the content of a file by its index.
+pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
+    let name = opened.name.clone();
+    let io = |error: io::Error| Failure::Io(name.clone(), error);
+    let (overview, read) = overview(&mut opened.bytes, &opened.session).map_err(io)?;
+    println!("file        {}, {} bytes", opened.name, opened.bytes.len());
+    for (key, value) in opened.session.about() {
+        println!("{key:11} {}", one_line(value));
+    }
+    print_overview(&overview);
+    println!("chunks      {}", opened.session.chunks());
+    for attachment in opened.session.attachments() {
+        let size = attachment.size;
+        println!("attachment  {}, {size} bytes", one_line(&attachment.name));
+    }
+    print!("{}", opened.problems().and(&read));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn print_overview(overview: &Overview) {
+    if let Some((from_ns, to_ns)) = overview.span_ns() {
+        println!("from        {}", iso(from_ns));
+        println!("to          {}", iso(to_ns));
+        println!("duration    {:.3} s", overview.duration().as_secs_f64());
+    }
+    println!(
+        "frames      {} sent, {} received",
+        overview.sent, overview.received
+    );
+    println!(
+        "faulty      {} lost, {} pieces of invalid bytes, {} not sent",
+        overview.lost, overview.junk, overview.not_sent
+    );
+    println!(
+        "events      {}",
+        overview.marks().len() as u64 + overview.marks_left_out
+    );
+    for (id, motor) in overview.motors() {
+        let extent = motor.extent().map_or_else(String::new, |extent| {
+            let current = extent
+                .current
+                .map(|(least, most)| format!(", {least} to {most}"));
+            let (least, most) = extent.speed;
+            format!(", {least} to {most}{}", current.unwrap_or_default())
+        });
+        let (id, replies, lost) = (id.get(), motor.replies, motor.lost);
+        println!(
+            "motor {id:<5} {replies} replies, {lost} lost{extent}, faults: {}",
+            motor.faults
+        );
+    }
+}
+
+/// Reads every record and prints the problems.
+pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
+    let name = opened.name.clone();
+    let (mut lines, mut events, mut states) = (0_u64, 0_u64, 0_u64);
+    let read = for_each_record(&mut opened.bytes, &opened.session, |record| {
+        match record.what {
+            What::Line(_) => lines += 1,
+            What::Event(_) => events += 1,
+            What::State(_) => states += 1,
+        }
+    });
+    let read = read.map_err(|error| Failure::Io(name, error))?;
+    println!("{lines} entries of the line, {events} events and {states} states of the page read");
+    let problems = opened.problems().and(&read);
+    if problems.is_empty() {
+        println!("no damage found");
+    }
+    print!("{problems}");
+    Ok(exit_code(&problems))
+}
+
+/// Exit code 1 if something is missing or damaged. Times without a date are as they were written.
+pub(crate) fn exit_code(problems: &Problems) -> ExitCode {
+    let mut missing = problems
+        .iter()
+        .filter(|(problem, _)| *problem != Problem::NoDate);
+    missing
+        .next()
+        .map_or(ExitCode::SUCCESS, |_| ExitCode::FAILURE)
+}
+
+fn iso(ns: u64) -> String {
+    let mut text = String::new();
+    push_iso(&mut text, i64::try_from(ns / 1_000).unwrap_or_default());
+    text
+}
+
+/// A text of the file without control characters, which a terminal would execute.
+pub(crate) fn one_line(text: &str) -> String {
+    let harmless = text.chars().filter(|letter| !letter.is_control());
+    harmless.take(600).collect()
+}

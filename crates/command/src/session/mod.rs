@@ -1,0 +1,33 @@
+//! The command `session`: prints, checks and converts session files.
+
+mod export;
+mod file;
+mod info;
+mod runs;
+
+use std::process::ExitCode;
+
+use crate::arguments::SessionAction;
+use file::{Failure, Opened};
+
+/// Does what was asked. Exit code 1 if something of the file is missing or damaged, 2 if it cannot be read at all.
+pub fn run(action: SessionAction) -> ExitCode {
+    match try_run(action) {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("{failure}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn try_run(action: SessionAction) -> Result<ExitCode, Failure> {
+    match action {
+        SessionAction::Info { file } => info::info(&mut Opened::open(&file)?),
+        SessionAction::Check { file } => info::check(&mut Opened::open(&file)?),
+        SessionAction::Export { file, format, out } => {
+            export::export(&mut Opened::open(&file)?, format, out.as_deref())
+        }
+        SessionAction::Runs { file, out } => runs::write(&mut Opened::open(&file)?, &out),
+    }
+}

@@ -1,0 +1,31 @@
+//! Watches the motors that a command shows.
+
+use motorlink_bus::{Command, Mirror};
+
+use crate::{arguments::SignedId, connection::Connection, failure::Failure, scan::scan};
+
+/// Watches the motors of `--id`, or else all that answer: the one that answers the ID query, or those of a full scan.
+///
+/// # Errors
+/// None answers.
+pub fn watch_found(connection: &mut Connection) -> Result<(), Failure> {
+    match connection.wait_for_motors() {
+        Ok(()) => return Ok(()),
+        Err(failure) if !connection.motors.is_empty() => return Err(failure),
+        Err(_) => {}
+    }
+    let found = scan(connection)?.found;
+    if found.is_empty() {
+        return Err(Failure::NotDone(
+            "no motor answers. Is the supply on? Swap A and B".to_owned(),
+        ));
+    }
+    for id in found {
+        connection.driver.command(Command::Watch(id));
+        connection.motors.push(SignedId {
+            id,
+            mirror: Mirror::Straight,
+        });
+    }
+    Ok(())
+}

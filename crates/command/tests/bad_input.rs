@@ -1,0 +1,110 @@
+//! Bad input gets one line on standard error and exit code 2.
+
+/// Asserts exit code 2 and one line that contains `says`.
+fn refused(flags: &[&str], says: &str) {
+    let output = crate::program::command(flags).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{flags:?}: {stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{flags:?}: {stderr}");
+    assert!(stderr.contains(says), "{flags:?}: {stderr}");
+    assert!(output.stdout.is_empty(), "{flags:?}");
+}
+
+#[test]
+fn unknown_flags() {
+    refused(&["--frobnicate"], "--frobnicate");
+    refused(&["1"], "'1'");
+    refused(&["-x"], "-x");
+}
+
+#[test]
+fn ids_that_no_motor_has() {
+    refused(&["--ids", "0"], "use 1 to 254");
+    refused(&["--ids", "255"], "use a whole number from 1 to 254");
+    refused(&["--ids", "1,0"], "use 1 to 254");
+    refused(&["--ids", "one"], "from 1 to 254");
+    refused(&["--ids", ""], "from 1 to 254");
+    refused(&["--ids", "-1"], "-1");
+    refused(&["--ids"], "--ids");
+}
+
+#[test]
+fn models_that_do_not_exist() {
+    for model in ["ddsm500", "", "115", "m0602"] {
+        refused(
+            &["--model", model],
+            "no such model: use one of ddsm115, ddsm315, ddsm210, ddsm400",
+        );
+    }
+}
+
+#[test]
+fn the_same_id_twice() {
+    refused(&["--ids", "1,2,1"], "1 is given twice");
+    refused(&["--ids", "16,0x10"], "16 is given twice");
+    refused(&["--ids", "1", "--ids", "1"], "1 is given twice");
+}
+
+#[test]
+fn bad_numbers() {
+    refused(&["--turnaround-us", "soon"], "--turnaround-us");
+    refused(&["--turnaround-us", "-5"], "-5");
+    refused(&["--turnaround-us", "1000001"], "1000000");
+    refused(
+        &["--when-silent", "turn"],
+        "expected `keep`, `coast` or `brake`",
+    );
+    refused(&["--set-id-frames", "0"], "--set-id-frames");
+    refused(&["--load-nm", "NaN"], "0 to 20 N.m");
+    refused(&["--load-nm", "heavy"], "0 to 20 N.m");
+    refused(&["--temperature", "1e9"], "0 to 200 degrees");
+    refused(&["--loss", "1.5"], "from 0 to 1");
+    refused(&["--corrupt", "lots"], "from 0 to 1");
+    refused(&["--latency-ms", "2000"], "1000");
+    refused(&["--seed", "0x"], "--seed");
+    refused(&["--seed", "99999999999999999999999"], "--seed");
+}
+
+#[test]
+fn bad_echoes() {
+    for echo in ["half", "cut", "cut:", "cut:0", "cut:10", "cut:x", "whole:3"] {
+        refused(&["--echo", echo], "1 to 9 bytes");
+    }
+}
+
+#[test]
+fn a_link_that_exists() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "kept").unwrap();
+    refused(&["--link", file.to_str().unwrap()], "exists already");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "kept");
+
+    let dangling = folder.path().join("dangling");
+    std::os::unix::fs::symlink("/nowhere", &dangling).unwrap();
+    refused(&["--link", dangling.to_str().unwrap()], "exists already");
+    refused(
+        &["--link", folder.path().to_str().unwrap()],
+        "exists already",
+    );
+}
+
+#[test]
+fn paths_that_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no/such/place");
+    refused(&["--link", path.to_str().unwrap()], "--link");
+    refused(&["--log", path.to_str().unwrap()], "--log");
+    refused(&["--log", folder.path().to_str().unwrap()], "--log");
+}
+
+#[test]
+fn help_is_no_error() {
+    let output = crate::program::command(&["--help"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        String::from_utf8(output.stdout)
+            .unwrap()
+            .contains("--turnaround-us")
+    );
+}

@@ -1,0 +1,14 @@
+//! The tests of the command: one program, so that it is linked once.
+#![cfg(test)]
+#![cfg(unix)]
+
+mod bad_input;
+mod example;
+mod generated_programs;
+mod models;
+mod program;
+mod ros2_files;
+mod serial_port;
+mod session_files;
+mod tools;
+mod ways_out;

@@ -1,0 +1,274 @@
+//! Every way out of a drive: the motor keeps its last command, and stands nevertheless.
+
+use std::{
+    path::Path,
+    process::{Child, Command, Output, Stdio},
+    thread::sleep,
+    time::{Duration, Instant},
+};
+
+use rustix::process::{Pid, Signal, kill_process};
+use tempfile::TempDir;
+
+use crate::program::Program;
+
+/// A busy machine is slow.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Virtual motors, and the command at their port with a state folder of its own.
+struct Bench {
+    motors: Program,
+    folder: TempDir,
+}
+
+impl Bench {
+    fn new(flags: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("port");
+        let place = ["--link", link.to_str().unwrap()];
+        Self {
+            motors: Program::start(&[&place[..], flags].concat()),
+            folder,
+        }
+    }
+
+    fn port(&self) -> String {
+        self.file("port")
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motorlink"));
+        command
+            .args(["--port", &self.port()])
+            .args(line.split_ascii_whitespace())
+            .env("XDG_STATE_HOME", self.folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs a command to its end.
+    fn run(&self, line: &str) -> Said {
+        Said::of(self.command(line).output().unwrap())
+    }
+
+    /// Starts a drive, and waits until the wheel turns so fast.
+    fn drive(&mut self, line: &str, rpm: f64) -> Child {
+        let child = self.command(line).spawn().unwrap();
+        self.until(|rpm_now| rpm_now.abs() > rpm);
+        child
+    }
+
+    /// The speed of motor 1, as it is.
+    fn rpm(&mut self) -> f64 {
+        let state = self.motors.command("state 1");
+        let (_, rest) = state.split_once("rpm=").expect(&state);
+        rest.split(' ').next().unwrap().parse().unwrap()
+    }
+
+    fn until(&mut self, mut is_so: impl FnMut(f64) -> bool) {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let rpm = self.rpm();
+            if is_so(rpm) {
+                return;
+            }
+            assert!(Instant::now() < until, "{rpm} rpm after {PATIENCE:?}");
+            sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn stands(&mut self) -> bool {
+        self.rpm().abs() < 1.0
+    }
+}
+
+/// What a command has printed, and its exit code.
+#[derive(Debug)]
+struct Said {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl Said {
+    fn of(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+fn signal(child: &Child, signal: Signal) {
+    kill_process(Pid::from_child(child), signal).unwrap();
+}
+
+#[test]
+fn a_signal_stops_the_motor_and_confirms_it() {
+    for end in [Signal::INT, Signal::TERM, Signal::HUP] {
+        let mut bench = Bench::new(&[]);
+        let drive = bench.drive("drive velocity 100", 90.0);
+        signal(&drive, end);
+        let said = Said::of(drive.wait_with_output().unwrap());
+        assert_eq!(said.code, Some(0), "{said:?}");
+        assert!(
+            said.err.contains("Motor 0x01 stands, confirmed."),
+            "{said:?}"
+        );
+        assert!(bench.stands(), "{end:?}");
+    }
+}
+
+#[test]
+fn the_end_of_the_time_stops_a_mirrored_pair() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let said = bench.run("--id 1,-2 drive velocity 60 --secs 1");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let both = "Motor 0x01 stands, confirmed. Motor 0x02 stands, confirmed.";
+    assert!(said.err.contains(both), "{said:?}");
+    assert!(bench.stands());
+}
+
+#[test]
+fn what_a_killed_process_left_running_is_stopped_by_the_next_command() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let mut drive = bench.drive("--id 1 drive velocity 100", 90.0);
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    sleep(Duration::from_millis(300));
+    assert!(!bench.stands(), "the motor keeps its last command");
+    // The next command asks for another motor.
+    let said = bench.run("--id 2 info");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(
+        said.err
+            .contains("an earlier program had left motors running. Motor 0x01 stands, confirmed."),
+        "{said:?}"
+    );
+    assert!(bench.stands());
+    let said = bench.run("--id 2 info");
+    assert!(!said.err.contains("earlier"), "it is forgotten: {said:?}");
+}
+
+#[test]
+fn a_motor_whose_adapter_was_pulled_out_is_stopped_when_it_is_back() {
+    let mut bench = Bench::new(&[]);
+    let drive = bench.drive("drive velocity 100", 90.0);
+    bench.motors.command("unplug");
+    sleep(Duration::from_millis(500));
+    assert!(!bench.stands(), "the motor keeps its last command");
+    bench.motors.command("plug");
+    let said = Said::of(drive.wait_with_output().unwrap());
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(
+        said.err.contains("the wheels of 0x01 may keep turning"),
+        "{said:?}"
+    );
+    assert!(
+        said.err.contains("Motor 0x01 stands, confirmed."),
+        "{said:?}"
+    );
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_drive_that_ends_while_its_adapter_is_out_says_that_the_wheel_may_turn() {
+    let mut bench = Bench::new(&[]);
+    let drive = bench.drive("drive velocity 100", 90.0);
+    bench.motors.command("unplug");
+    sleep(Duration::from_millis(500));
+    signal(&drive, Signal::INT);
+    let said = Said::of(drive.wait_with_output().unwrap());
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(
+        said.err.contains("motors 0x01 may turn: cut their power"),
+        "{said:?}"
+    );
+    bench.motors.command("plug");
+    let said = bench.run("info");
+    assert!(
+        said.err.contains("Motor 0x01 stands, confirmed."),
+        "{said:?}"
+    );
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_motor_that_loses_its_power_ends_the_drive_with_its_reason() {
+    let mut bench = Bench::new(&[]);
+    let drive = bench.drive("drive velocity 100", 90.0);
+    bench.motors.command("power 1 off");
+    let said = Said::of(drive.wait_with_output().unwrap());
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(said.err.contains("no reply for 200 ms"), "{said:?}");
+    assert!(said.err.contains("IS NOT CONFIRMED TO STAND"), "{said:?}");
+}
+
+#[test]
+fn stop_brakes_a_wheel_that_another_program_left_turning() {
+    let mut bench = Bench::new(&[]);
+    let mut drive = bench.drive("drive velocity 100", 90.0);
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    // A computer that does not know of it.
+    std::fs::remove_dir_all(bench.folder.path().join("motorlink")).unwrap();
+    let said = bench.run("stop");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(
+        said.out.contains("Motor 0x01 stands, confirmed."),
+        "{said:?}"
+    );
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_second_program_at_the_same_port_is_refused_and_the_first_drives_on() {
+    let mut bench = Bench::new(&[]);
+    let drive = bench.drive("drive velocity 100", 90.0);
+    let said = bench.run("info");
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("in use"), "{said:?}");
+    assert!(!bench.stands());
+    signal(&drive, Signal::INT);
+    let said = Said::of(drive.wait_with_output().unwrap());
+    assert!(said.err.contains("stands, confirmed"), "{said:?}");
+}
+
+#[test]
+fn a_disk_that_is_full_ends_the_recording_and_leaves_nothing_driven() {
+    let mut bench = Bench::new(&[]);
+    let said = bench.run("monitor --csv /dev/full --secs 5");
+    assert_ne!(said.code, Some(0), "{said:?}");
+    assert!(said.err.contains("No space left"), "{said:?}");
+    // A recording never replaces a file.
+    let taken = bench.file("taken.mcap");
+    std::fs::write(&taken, "mine").unwrap();
+    let said = bench.run(&format!("drive velocity 50 --secs 1 --record {taken}"));
+    assert_eq!(said.code, Some(2), "{said:?}");
+    assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_recorded_drive_is_a_session_with_its_replies_and_its_stop() {
+    let bench = Bench::new(&[]);
+    let file = bench.file("drive.mcap");
+    let said = bench.run(&format!("drive velocity 50 --secs 1 --record {file}"));
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(Path::new(&file).exists());
+    let check = bench.run(&format!("session check {file}"));
+    assert_eq!(check.code, Some(0), "{check:?}");
+    assert!(check.out.contains("no damage found"), "{check:?}");
+    let telemetry = bench.run(&format!("session export {file} --format telemetry"));
+    let rows = telemetry.out.lines().count();
+    assert!(rows > 30, "{rows} rows");
+    let log = bench.run(&format!("session export {file} --format report"));
+    assert!(log.out.contains("stands, confirmed"), "{log:?}");
+}
