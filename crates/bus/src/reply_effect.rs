@@ -28,6 +28,10 @@ pub(crate) fn act_on_reply(
     names_loop: bool,
     unconfirmed: bool,
 ) {
+    if matches!(motor.control, Control::Stopping(_)) {
+        // It had not answered before its stop began, and may turn.
+        motor.rest.doubt();
+    }
     motor.angle_estimate.replied(now, reply);
     let seen = motor.angle_estimate.confirmed_now(now);
     let angle_stands = motor.standstill.record(now, reply);

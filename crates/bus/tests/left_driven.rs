@@ -238,6 +238,20 @@ fn a_port_on_trial_is_stopped_first_as_well() {
     assert_eq!(outcome(&run_until_stopped(&mut fixture)), [(ID, true)]);
 }
 
+/// Fault simulation, seed 62073: another computer has left it running, and it is too hot to obey the brake.
+#[test]
+fn a_motor_that_answers_only_during_its_stop_is_remembered_until_it_stands() {
+    let mut fixture = driven_in(Model::Ddsm115, Mode::Velocity);
+    replace_bus(&mut fixture, &[]);
+    fixture.world.motor_mut(ID).unwrap().set_temperature_c(90.0);
+    fixture.command(Command::Watch(ID)).unwrap();
+    fixture.command(Command::Stop(ID)).unwrap();
+    fixture.run(ms(50));
+    let left = reconnected(&mut fixture);
+    assert_eq!(left.len(), 1);
+    assert_eq!(run_until_stopped(&mut fixture).reason, StopReason::LeftDriven);
+}
+
 #[test]
 fn without_a_motor_that_was_left_driven_nothing_waits() {
     let mut fixture = Fixture::one_motor();
