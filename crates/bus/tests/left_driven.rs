@@ -249,7 +249,10 @@ fn a_motor_that_answers_only_during_its_stop_is_remembered_until_it_stands() {
     fixture.run(ms(50));
     let left = reconnected(&mut fixture);
     assert_eq!(left.len(), 1);
-    assert_eq!(run_until_stopped(&mut fixture).reason, StopReason::LeftDriven);
+    assert_eq!(
+        run_until_stopped(&mut fixture).reason,
+        StopReason::LeftDriven
+    );
 }
 
 #[test]
