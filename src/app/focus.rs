@@ -151,7 +151,13 @@ fn pass_on_if_dropped(held: &RefCell<Held>) {
         // It stays given away when a key is pressed next.
         held.borrow_mut().path.clear();
     }
-    if held.borrow().path.is_empty() {
+    let is_gone = |element: &Element| {
+        !element.is_connected()
+            || element.matches(":disabled").unwrap_or(false)
+            || element.get_bounding_client_rect().width() == 0.0
+    };
+    // A control that is still there was left by Tab: the focus may leave the page behind its last control.
+    if !held.borrow().path.first().is_some_and(is_gone) {
         return;
     }
     let next: Vec<Element> = held.borrow().next().collect();

@@ -7,7 +7,7 @@ use motorlink_messages::{
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::{
-    bench::{Bench, dispatch_key, document, motor, press},
+    bench::{Bench, dispatch_key, document, motor, pause, press},
     tools::report,
 };
 
@@ -154,4 +154,24 @@ async fn what_was_refused_because_of_a_stop_is_withdrawn_by_release() {
     bench.until("the refusal", is_told).await;
     bench.click("Release");
     bench.until("no refusal", || !is_told()).await;
+}
+
+/// Tab behind the last control leaves the page, as far as the page can see: nothing has the focus.
+#[wasm_bindgen_test]
+async fn a_control_that_is_left_does_not_get_the_focus_back_and_one_that_is_hidden_passes_it_on() {
+    let bench = Bench::with_motor("focus-left", Mode::Velocity).await;
+    let focused = || document().active_element().unwrap().tag_name();
+    dispatch_key("keydown", "Tab", false);
+    let pause_button = bench.find("button", "Pause");
+    pause_button.focus().unwrap();
+    pause_button.blur().unwrap();
+    pause(100).await;
+    assert_eq!(focused(), "BODY");
+
+    pause_button.focus().unwrap();
+    pause_button.set_hidden(true);
+    bench
+        .until("the graph has it", || focused() == "SECTION")
+        .await;
+    pause_button.set_hidden(false);
 }

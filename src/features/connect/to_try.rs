@@ -64,8 +64,9 @@ pub(crate) fn ToTry(
         match value.as_deref() {
             None => {}
             Some(RECORDING) => {
+                // Its click passes this section, which must have handled the first one by then.
                 if let Some(chooser) = chooser() {
-                    chooser.click();
+                    request_animation_frame(move || chooser.click());
                 }
             }
             Some(key) => {
