@@ -5,7 +5,8 @@ use std::time::Duration;
 use motorlink_messages::{
     Adapter, Connection, Notice, Update,
     bus::{
-        Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, StopOutcome, StopReason,
+        Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, StopOutcome,
+        StopReason, is_hazardous,
     },
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
@@ -244,6 +245,14 @@ impl Session {
         self.motors
             .iter()
             .filter(move |motor| live && motor.turns_unasked)
+    }
+
+    /// Motors that a raw frame, sent once, may have left running.
+    pub(crate) fn left_by_raw_frame(&self) -> impl Iterator<Item = &MotorStatus> {
+        let sent = |raw: RawStatus| !raw.running && raw.sent > 0 && is_hazardous(&raw.frame);
+        let live = !self.is_recording() && self.raw.is_some_and(sent);
+        let left = |motor: &&MotorStatus| motor.may_turn && motor.activity == Activity::Idle;
+        self.motors.iter().filter(move |_| live).filter(left)
     }
 
     /// Whether anything is driven, or moves though nothing drives it.

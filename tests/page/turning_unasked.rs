@@ -1,12 +1,15 @@
 //! A wheel that turns though nothing here drives it.
 
 use motorlink_messages::{
-    bus::{Activity, Command, MotorStatus, StopReason},
+    bus::{Activity, Command, MotorStatus, RawStatus, StopReason},
     protocol::{Mode, MotorId, Rpm},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use crate::bench::{Bench, dispatch_key, document, motor};
+use crate::{
+    bench::{Bench, dispatch_key, document, motor},
+    tools::report,
+};
 
 const STOP_ALL: Command = Command::StopAll(StopReason::Operator);
 
@@ -59,4 +62,26 @@ async fn space_and_escape_stop_a_wheel_that_turns_unasked() {
         assert!(!dispatch_key("keyup", key, false), "{key}");
         assert_eq!(bench.commands().await, [STOP_ALL], "{key}");
     }
+}
+
+#[wasm_bindgen_test]
+async fn a_wheel_that_a_raw_frame_has_left_running_is_an_alert_in_other_places() {
+    let bench = Bench::with_motor("unasked-raw", Mode::Velocity).await;
+    report(&bench, |update| {
+        update.raw = Some(RawStatus {
+            frame: "01 64 00 32 00 00 00 00 00 D3".parse().unwrap(),
+            count: 1,
+            sent: 1,
+            answered: 1,
+            running: false,
+            last: None,
+        });
+        let motor = &mut update.motors[0];
+        motor.may_turn = true;
+        motor.speed = motor.speed.map(|(at, _)| (at, Rpm::new(50)));
+    });
+    bench.until("the alert", is_shown).await;
+    bench.received().await;
+    bench.click("Stop it");
+    assert_eq!(bench.commands().await, [Command::Stop(MotorId::FIRST)]);
 }

@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    bus::{Activity, MotorStatus, RawStatus, Refusal, is_hazardous, unassignable_id},
+    bus::{Refusal, is_hazardous, unassignable_id},
     protocol::Layout,
 };
 
@@ -17,7 +17,7 @@ use crate::{
     model::{
         guards::{send_blocked_by, stop_blocked_by},
         place::Place,
-        snapshot::{Reading, Session},
+        snapshot::Reading,
         terms, tool_entry,
     },
     ui::{
@@ -169,7 +169,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
         let repeats = move || raw.repeats.get();
         blocked.get().or_else(|| trouble().filter(|_| repeats()))
     });
-    let runs = page.of_motor(|session, _| runs_by_raw_frame(session));
+    let runs = page.of_motor(|session, _| session.left_by_raw_frame().next().is_some());
     let stop = Signal::derive(move || {
         let stop = if runs.get() {
             tr!("Stop it")
@@ -201,13 +201,6 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     }
 }
 
-/// Whether a frame that is not repeated may have set a motor in motion that nothing has stopped since.
-fn runs_by_raw_frame(session: &Session) -> bool {
-    let sent = |raw: RawStatus| !raw.running && raw.sent > 0 && is_hazardous(&raw.frame);
-    let may_turn = |motor: &MotorStatus| motor.may_turn && motor.activity == Activity::Idle;
-    session.raw.is_some_and(sent) && !session.is_recording() && session.motors.iter().any(may_turn)
-}
-
 /// The result of the last frame, while it is the entered one or repeats.
 #[component]
 fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
@@ -236,7 +229,7 @@ fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             .or_else(|| unconnected.get())
             .unwrap_or_else(otherwise)
     };
-    let runs = page.of_motor(|session, _| runs_by_raw_frame(session));
+    let runs = page.of_motor(|session, _| session.left_by_raw_frame().next().is_some());
     let words = move || {
         let mut words = refused.get().or_else(|| answer.get()).unwrap_or_default();
         if runs.get() {

@@ -11,7 +11,7 @@ use motorlink_messages::{
 };
 
 use crate::{
-    model::{page::use_page, snapshot::Session},
+    model::{page::use_page, place::Place, snapshot::Session},
     ui::{
         button::PressButton,
         format,
@@ -19,10 +19,15 @@ use crate::{
     },
 };
 
+/// A wheel that a raw frame turns slower is not reported: a person may turn it by hand.
+const RAW_RPM: u16 = 10;
+
 /// One alert for all of them, with button `Stop it`. It is over everything but STOP.
 #[component]
 pub(crate) fn TurningAlert() -> impl IntoView {
     let page = use_page();
+    // The place Diagnose has the raw editor with a `Stop it` of its own.
+    let moving = move |session: &Session| moving(session, page.place() != Place::Diagnose);
     let motors = memo(move || page.shown.with(moving));
     let title = memo(move || motors.with(|motors| title(motors)));
     let stop = move || {
@@ -66,7 +71,8 @@ struct Moving {
     turns: bool,
 }
 
-fn moving(session: &Session) -> Vec<Moving> {
+/// The motors that move. `with_raw`: those that a raw frame has left running, too.
+fn moving(session: &Session, with_raw: bool) -> Vec<Moving> {
     let of = |motor: &MotorStatus| {
         let speed = motor.speed.map(|(_, speed)| speed);
         let turning = speed.filter(|speed| *speed != Rpm::new(0));
@@ -85,7 +91,13 @@ fn moving(session: &Session) -> Vec<Moving> {
             turns,
         })
     };
-    session.turning_unasked().filter_map(of).collect()
+    let turns = |motor: &&MotorStatus| {
+        let speed = motor.speed.filter(|_| with_raw && !motor.turns_unasked);
+        speed.is_some_and(|(_, speed)| speed.magnitude() >= RAW_RPM)
+    };
+    let left_by_raw_frame = session.left_by_raw_frame().filter(turns);
+    let motors = session.turning_unasked().chain(left_by_raw_frame);
+    motors.filter_map(of).collect()
 }
 
 fn title(motors: &[Moving]) -> String {
@@ -123,7 +135,7 @@ mod tests {
     use crate::model::snapshot::tests::{session, status};
 
     fn said(session: &Session) -> String {
-        let motors = moving(session);
+        let motors = moving(session, true);
         format!("{} {}", title(&motors), figures(&motors))
     }
 
@@ -156,8 +168,8 @@ mod tests {
     fn nothing_is_said_of_a_recording_nor_of_a_wheel_that_is_driven_here() {
         let mut recorded = unasked(100);
         recorded.connection = Connection::Connected(Adapter::Recording);
-        assert_eq!(moving(&recorded), []);
+        assert_eq!(moving(&recorded, true), []);
         let driven = session(1_000, status(1_000, Mode::Velocity, 100));
-        assert_eq!(moving(&driven), []);
+        assert_eq!(moving(&driven, true), []);
     }
 }
