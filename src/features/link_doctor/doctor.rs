@@ -234,7 +234,7 @@ pub(crate) struct Findings {
     pub(crate) text: u32,
     /// Chunks of 32 bytes in the last ten seconds.
     pub(crate) blocks: u32,
-    /// Whether the computer is late: then no wire is named.
+    /// Whether the computer is late: then no wire is named for a lost reply.
     pub(crate) computer_is_late: bool,
     /// Of the last 256 replies.
     pub(crate) round_trip: RoundTripStatus,
@@ -351,8 +351,11 @@ fn of_motor(motor: &MotorFindings, computer_is_late: bool) -> Option<Diagnosis> 
     } else if recent.asked >= ASKED_TO_BE_SHARED && recent.garbled_per_mille() >= 500 {
         Some(Diagnosis::SharedId(motor.id))
     } else {
-        (is_lossy(motor) && !computer_is_late).then(|| {
-            if motor.heard.garbled.saturating_mul(DAMAGED_OF_LOST) >= motor.heard.lost() {
+        let heard = motor.heard;
+        // A late computer loses replies. It damages none.
+        let is_damaged = heard.garbled >= LOST_MIN && heard.garbled_per_mille() >= LOSSY_PER_MILLE;
+        (is_lossy(motor) && (is_damaged || !computer_is_late)).then(|| {
+            if heard.garbled.saturating_mul(DAMAGED_OF_LOST) >= heard.lost() {
                 Diagnosis::Damaged
             } else {
                 Diagnosis::Lost
