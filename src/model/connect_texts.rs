@@ -17,7 +17,7 @@ pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
     match connection {
         Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
         Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
-        Connection::Connected(Adapter::Recording) => (tr!("Recording"), String::new()),
+        Connection::Connected(Adapter::Recording) => (tr!("Replay"), String::new()),
         Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
         Connection::Reconnecting(adapter) => (
             tr!("Reconnecting"),

@@ -136,7 +136,7 @@ pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
 
 fn of_stop_begun(reason: StopReason) -> Line {
     match reason {
-        StopReason::OneMotor => calm(tr!("Stopping one motor")),
+        StopReason::OneMotor => calm(tr!("Stopping a motor or group")),
         reason => calm(tr!("Stopping. {why}", why = of_stop_reason(reason))),
     }
 }

@@ -121,7 +121,7 @@ const RECORDING: &[(&str, &str)] = &[
     ("status", "Recorded"),
 ];
 
-const SESSION: &[(&str, &str)] = &[("button", "Save session"), ("button", "Open session")];
+const SESSION: &[(&str, &str)] = &[("button", "Save session"), ("button", "Open recording")];
 
 const EXPERIMENTS: &[(&str, &str)] = &[("tablist", "Experiments"), ("tab", "Sequence")];
 

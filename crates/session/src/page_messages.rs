@@ -21,12 +21,14 @@ macro_rules! text {
 }
 
 /// The kinds of messages, by their texts.
-const KINDS: [(&str, EventKind); 11] = [
+const KINDS: [(&str, EventKind); 12] = [
     (text!("Connected to {adapter}"), EventKind::Connected),
     (text!("Disconnected"), EventKind::Disconnected),
     (text!("Adapter unplugged"), EventKind::Disconnected),
     (text!("Adapter reconnected"), EventKind::Connected),
-    (text!("Stopping one motor"), EventKind::StopBegan),
+    (text!("Stopping a motor or group"), EventKind::StopBegan),
+    // In files of earlier versions.
+    ("Stopping one motor", EventKind::StopBegan),
     (text!("Stopping. {why}"), EventKind::StopBegan),
     (text!("Stopped: no motor was running"), EventKind::StopEnded),
     (CONFIRMED, EventKind::StopEnded),

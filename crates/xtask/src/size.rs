@@ -117,7 +117,7 @@ const PARTS: [Part; 18] = [
         ASKED,
         // Wiring, figures and frames of four models, with an example of each frame.
         &["help/en", "help/wiring"],
-        9_000,
+        9_200,
     ),
     // 1,200 say in each that a wheel may keep turning, and what to do then. 800 are for figures that do not hold, rates and fitted
     // models. 120 are the switches and marks of the graph, 100 the places,
@@ -128,12 +128,14 @@ const PARTS: [Part; 18] = [
 ];
 
 /// Bound of what is fetched before the page can be used. The sign of a mirrored motor in the log takes 200.
-const FIRST_GZIP_BYTES_MAX: usize = 259_200;
+/// The folder in which it is compiled changes its size by 300.
+const FIRST_GZIP_BYTES_MAX: usize = 259_500;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
 /// the firmware of each in the virtual motors, take 15,000; what the bus does when a motor of separate frames restarts,
 /// or another model answers late, takes 2,500; what drives a run beside the bus, and loads its program, takes 4,300; what
 /// stops motors that keep their last command takes 16,000, what stops a group before it starts in another loop 1,000.
-const DRIVING_GZIP_BYTES_MAX: usize = 378_300;
+/// The folder in which it is compiled changes its size by 300.
+const DRIVING_GZIP_BYTES_MAX: usize = 378_600;
 /// Bound of all parts together in one language. The goal is 560,000: four programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
 /// 32,000, what the bus does when a motor restarts 2,500, a log that can be undone, opened and translated 10,000, names

@@ -61,7 +61,7 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
              computer fails, the wheel may keep turning: only the power switch stops it then."
         ),
         Step::Spin => tr!("The button starts the wheel. Space stops it."),
-        Step::Stop => tr!("The wheel is turning. Stop it here, with STOP or with Space."),
+        Step::Stop => tr!("Stop it here, with STOP or with Space."),
         Step::Done => tr!("Next: set a target speed and press Start."),
     };
     words.to_owned()

@@ -14,6 +14,7 @@ use crate::{
         button::PressButton,
         clock::{local_date, local_time},
         format::{self, grouped},
+        reactive::dynamic,
     },
 };
 
@@ -150,6 +151,9 @@ fn head(files: SessionFiles, info: &SessionInfo) -> impl IntoView + use<> {
                 class="button small"
                 on_press=move || files.close()
             />
+            <p class="quiet" hidden=dynamic(move || replay_blocked_by().is_none())>
+                {dynamic(move || replay_blocked_by().unwrap_or_default())}
+            </p>
         </div>
     }
 }

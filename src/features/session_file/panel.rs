@@ -78,7 +78,7 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                     on_press=move || files.save_or_cancel()
                 />
                 <PressButton
-                    label=tr!("Open session")
+                    label=tr!("Open recording")
                     class="button small"
                     hint=tr!("A session (.mcap) or an exported CSV file. You can also drop it onto the page.")
                     disabled_reason=Signal::derive(open_blocked_by)

@@ -63,7 +63,7 @@ pub(super) fn show_bar(owner: &Owner, player: Player) {
 /// Shows the name of the recording in the title of the page and beside the state of the connection. The style sheet
 /// draws it there: the header loads first, and knows nothing of recordings.
 fn show_name(info: Option<&SessionInfo>) {
-    let title = info.map(|info| format!("{}: {} - {TITLE}", tr!("Recording"), info.name));
+    let title = info.map(|info| format!("{}: {} - {TITLE}", tr!("Replay"), info.name));
     document().set_title(title.as_deref().unwrap_or(TITLE));
     let root = document().document_element();
     let Some(root) = root.and_then(|root| root.dyn_into::<HtmlElement>().ok()) else {
@@ -119,7 +119,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     view! {
         <section class="replay" aria-label=tr!("Replay")>
             <p class="replay-what">
-                <strong>{tr!("Recording")}</strong>
+                <strong>{tr!("Replay")}</strong>
                 " "
                 <span class="replay-name">{dynamic(what)}</span>
             </p>

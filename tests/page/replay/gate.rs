@@ -148,7 +148,7 @@ async fn a_port_that_opens_by_itself_and_a_failed_worker_end_the_replay() {
     // A state of the closed port changes nothing.
     bench.post(&closed_port(vec![]));
     pause(200).await;
-    assert!(connection(&bench).contains("Recording"));
+    assert!(connection(&bench).contains("Replay"));
     bench.report(motor(Mode::Velocity, Activity::Idle), false);
     until_live(&bench).await;
     let connected = || connection(&bench).contains("Connected");

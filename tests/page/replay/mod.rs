@@ -128,8 +128,8 @@ fn connection(bench: &Bench) -> String {
 async fn until_live(bench: &Bench) {
     let is_live = || bench.find_all("region", "Replay").is_empty();
     bench.until("the live line", is_live).await;
-    assert!(!connection(bench).contains("Recording"));
-    let title = || !document().title().starts_with("Recording");
+    assert!(!connection(bench).contains("Replay"));
+    let title = || !document().title().starts_with("Replay");
     bench.until("the title", title).await;
 }
 
@@ -144,7 +144,7 @@ fn of_replay(messages: Vec<ToSessions>) -> Vec<ToReplay> {
 #[wasm_bindgen_test]
 async fn a_recording_is_shown_on_the_instruments_and_says_that_it_is_one() {
     let (sessions, bench) = replaying("replay-shown").await;
-    assert!(connection(&bench).contains("Recording"));
+    assert!(connection(&bench).contains("Replay"));
     let root = document().document_element().unwrap();
     let style = root.get_attribute("style").unwrap();
     assert!(style.contains("\"run <b>.mcap\""), "{style}");

@@ -1,9 +1,6 @@
 //! The texts and figures of the twin.
 
-use motorlink_i18n::{
-    terms::{self, in_language},
-    tr,
-};
+use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::Connection;
 use motorlink_messages::bus::{Activity, Turns};
 use motorlink_messages::protocol::{Rpm, Setpoint};
@@ -85,10 +82,10 @@ impl Figures {
         }
     }
 
-    /// `+100 rpm`
+    /// `100 rpm`: the words beside it have the direction, and the sign of a mirrored motor is another one in its card.
     #[must_use]
     pub fn speed_text(self) -> String {
-        terms::speed(self.speed)
+        tr!("{speed} rpm", speed = self.speed.magnitude())
     }
 
     /// `66.9°`
@@ -197,7 +194,7 @@ mod tests {
     fn figures_carry_a_real_minus_and_wrap_after_rounding() {
         let turns = |number| Some(Turns::new(number));
         let figures = Figures::new(Rpm::new(-100), Some(359.96), turns(-12.44));
-        assert_eq!(figures.speed_text(), "\u{2212}100 rpm");
+        assert_eq!(figures.speed_text(), "100 rpm");
         assert_eq!(figures.angle_text(), "0.0°");
         assert_eq!(figures.turns_text(), "\u{2212}12.4 turns");
         let figures = Figures::new(Rpm::new(7), Some(-293.0), turns(0.04));

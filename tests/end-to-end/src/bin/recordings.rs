@@ -52,11 +52,11 @@ fn measure() -> Result<()> {
     page.look(View::DESKTOP)?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.open_panel("Session file")?;
-    page.find("button", "Open session")?;
+    page.find("button", "Open recording")?;
     page.evaluate(&format!("{SCRIPT}; true"))?;
 
     page.evaluate("recordings.watchOpening()")?;
-    page.upload("Open session", &PathBuf::from(file))?;
+    page.upload("Open recording", &PathBuf::from(file))?;
     let opening: Opening = serde_json::from_value(page.evaluate("recordings.opening")?)?;
     told(
         "from the choice of the file to `Opened`",
@@ -72,7 +72,7 @@ fn measure() -> Result<()> {
     );
 
     page.click("button", "Replay")?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
     // What is loaded for the first time is not a part of a jump.
     thread::sleep(Duration::from_secs(2));
     page.drop_accessibility_tree()?;

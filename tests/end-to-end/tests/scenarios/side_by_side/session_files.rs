@@ -53,7 +53,7 @@ fn replay(scenario: &Scenario) -> Result<()> {
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.click("button", "Replay")?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
     look(page, LAPTOP)?;
     let graph = in_sight(page, LAPTOP, "img", "Speed and current")?;
     assert!(graph.height() >= 160.0, "{graph:?}");
@@ -120,7 +120,7 @@ fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
         })
     })?;
 
-    page.upload("Open session", &saved.path)?;
+    page.upload("Open recording", &saved.path)?;
     page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
     let content = page.text("region", "Session file")?;
     for text in ["Duration", "0x01", "Connected to"] {
@@ -130,12 +130,12 @@ fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
 
     let cut = saved.path.with_file_name("cut.mcap");
     fs::write(&cut, &file[..file.len() / 2])?;
-    page.upload("Open session", &cut)?;
+    page.upload("Open recording", &cut)?;
     page.wait_for_text("list", "Missing in the file", |text| {
         text.contains("The end of the file is missing")
     })?;
     fs::write(&cut, b"PK\x03\x04 a ZIP archive")?;
-    page.upload("Open session", &cut)?;
+    page.upload("Open recording", &cut)?;
     page.wait_for_text("status", "Session file", |text| {
         text.contains("ZIP archive")
     })?;
@@ -158,7 +158,7 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     page.click("button", "Release")?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
-    page.upload("Open session", &saved.path)?;
+    page.upload("Open recording", &saved.path)?;
     page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
     page.click("button", "Replay")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
@@ -167,7 +167,7 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     page.fill("textbox", "Note", "gravel starts here")?;
 
     let copy = page.download("Save copy")?;
-    page.upload("Open session", &copy.path)?;
+    page.upload("Open recording", &copy.path)?;
     // The copy has another name than the file.
     page.wait_for_text("status", "Session file", |text| {
         text.contains("Opened") && text.contains("-bookmarks")
@@ -228,7 +228,7 @@ fn a_run_is_in_the_session_and_is_kept_again_from_its_file() -> Result<()> {
     })?;
 
     page.open_panel("Session file")?;
-    page.upload("Open session", &saved.path)?;
+    page.upload("Open recording", &saved.path)?;
     page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
     page.wait_for_text("list", "Runs of experiments", |text| {
         text.contains("Back and forth")
