@@ -26,7 +26,7 @@ Examples:
   motorlink scan                                 which motors are on the bus
   motorlink drive velocity 100 --secs 3          100 rpm for three seconds, then a confirmed stop
   motorlink --id 1,-2 drive velocity 60          two wheels of a rover; the second is mirrored
-  motorlink --virtual=2 monitor                  without hardware
+  motorlink --virtual=2 control                  by keys, without hardware
   motorlink set-id --new 2                       give the only motor on the bus another ID
   motorlink monitor --csv > telemetry.csv
 
@@ -98,6 +98,18 @@ pub enum Action {
     Drive {
         #[command(subcommand)]
         drive: Drive,
+    },
+    /// Drive motors by keys, full screen: hold a key to run
+    Control {
+        /// Speed of the keys F and B in rpm
+        #[arg(long, default_value_t = 100, allow_hyphen_values = true, value_parser = clap::value_parser!(i32).range(-380..=380))]
+        rpm: i32,
+        /// How gently the motor itself speeds up, 0-255; more is gentler
+        #[arg(long, default_value_t = 3)]
+        accel: u8,
+        /// A key drives until another one, not only while it is held
+        #[arg(long)]
+        latch: bool,
     },
     /// Stop motors that turn: those of --id, or all that answer
     Stop,

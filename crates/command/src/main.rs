@@ -3,6 +3,7 @@
 mod arguments;
 mod confirm;
 mod connection;
+mod control;
 mod drive;
 mod failure;
 mod info;
@@ -24,6 +25,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, error::ErrorKind};
 use motorlink_driver::Ender;
+use motorlink_protocol::Acceleration;
 
 use arguments::{Action, Arguments};
 use failure::Failure;
@@ -73,6 +75,14 @@ fn run(Arguments { global, action }: Arguments, ender: &Ender) -> Result<(), Fai
         Action::Info { json } => info::run(&global, json, ender),
         Action::Monitor(how) => monitor::run(&global, &how, ender),
         Action::Drive { drive } => drive::run(&global, drive, ender),
+        Action::Control { rpm, accel, latch } => {
+            let how = control::How {
+                rpm,
+                acceleration: Acceleration::new(accel),
+                latches: latch,
+            };
+            control::run(&global, how, ender)
+        }
         Action::Stop => stop::run(&global, ender),
         Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),
         Action::Raw { frame, yes } => raw::run(&global, frame, yes, ender),

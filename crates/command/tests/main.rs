@@ -3,6 +3,8 @@
 #![cfg(unix)]
 
 mod bad_input;
+mod bench;
+mod control;
 mod example;
 mod generated_programs;
 mod models;
