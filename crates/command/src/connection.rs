@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{BusSettings, Event, JobStatus, Mirror, MotorStatus, StopReason};
+use motorlink_bus::{Event, JobStatus, Mirror, MotorStatus, StopReason};
 use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
-use motorlink_protocol::{MotorId, family::Model};
+use motorlink_protocol::MotorId;
 
 use crate::{
     arguments::{Global, SignedId},
@@ -32,24 +32,23 @@ pub enum Happened {
 }
 
 impl Connection {
-    /// Opens the line of these arguments. From then on the signals that end a program end the driver.
-    pub fn open(global: &Global, settings: BusSettings, ender: &Ender) -> Result<Self, Failure> {
-        Self::open_for(global, global.model, settings, ender)
+    /// Opens the line of these arguments. The signals that end a program end the driver.
+    pub fn open(global: &Global, ender: &Ender) -> Result<Self, Failure> {
+        Self::open_with(global, ender, |_| ())
     }
 
-    /// The same, for this model.
-    pub fn open_for(
+    /// The same, with other options.
+    pub fn open_with(
         global: &Global,
-        model: Option<Model>,
-        settings: BusSettings,
         ender: &Ender,
+        change: impl FnOnce(&mut Options),
     ) -> Result<Self, Failure> {
         let mut options = Options::at(place(global)?);
-        options.model = model;
-        options.settings = settings;
+        options.model = global.model;
         let motors = motors(global);
         options.watch = motors.iter().map(|motor| motor.id).collect();
         options.ender = ender.clone();
+        change(&mut options);
         let driver = Driver::open(options)?;
         Ok(Self {
             driver,

@@ -27,7 +27,10 @@ const DRAW: Duration = Duration::from_millis(100);
 /// Drives the motors until the time is over, Ctrl-C, or one of them ends it.
 pub fn run(global: &Global, drive: Drive, ender: &Ender) -> Result<(), Failure> {
     let (setpoint, how, settings, consent) = asked(drive)?;
-    let mut connection = Connection::open(global, settings, ender)?;
+    let mut connection = Connection::open_with(global, ender, |options| {
+        options.settings = settings;
+        options.tells_traffic = how.record.is_some();
+    })?;
     let mut recording = how.record.as_deref().map(Recording::create).transpose()?;
     connection.wait_for_motors()?;
     let model = connection.driver.model();

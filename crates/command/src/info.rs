@@ -1,6 +1,6 @@
 //! `motorlink info`: what each motor reports now.
 
-use motorlink_bus::{BusSettings, MotorStatus};
+use motorlink_bus::MotorStatus;
 use motorlink_driver::Ender;
 use motorlink_protocol::{Fault, Instant, family::Model};
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use crate::{
 
 /// Prints what the motors report.
 pub fn run(global: &Global, as_json: bool, ender: &Ender) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, BusSettings::default(), ender)?;
+    let mut connection = Connection::open(global, ender)?;
     connection.wait_for_motors()?;
     // The first reply to an ID query has no temperature.
     connection.wait_for(global.timeout, |status| {

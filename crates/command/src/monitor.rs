@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use motorlink_bus::{BusSettings, Event, LineEvent, LineEventKind};
+use motorlink_bus::{Event, LineEvent, LineEventKind};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::MotorId;
 use motorlink_recorder::{CsvLines, LocalTime, WallClock};
@@ -35,7 +35,9 @@ enum Output {
 
 /// Shows the motors until Ctrl-C or the end of the time.
 pub fn run(global: &Global, how: &Monitor, ender: &Ender) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, BusSettings::default(), ender)?;
+    let writes_all = how.json || how.csv.is_some();
+    let mut connection =
+        Connection::open_with(global, ender, |options| options.tells_traffic = writes_all)?;
     watch_found(&mut connection)?;
     let mut output = output(&connection, how)?;
     let result = show(&connection, how, &mut output);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{BusSettings, Command, Consent, RawAnswer, Repeat, is_hazardous};
+use motorlink_bus::{Command, Consent, RawAnswer, Repeat, is_hazardous};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::{Frame, explain_received, explain_sent};
 
@@ -25,7 +25,7 @@ pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<()
         );
         confirm("Send it?")?;
     }
-    let connection = Connection::open(global, BusSettings::default(), ender)?;
+    let connection = Connection::open(global, ender)?;
     connection.wait_for(Duration::from_millis(300), |status| {
         status
             .line

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
-use motorlink_bus::{BusSettings, Event, StopReport};
+use motorlink_bus::{Event, StopReport};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::Instant;
 use motorlink_session::{Event as Mark, EventKind, Writer};
@@ -121,7 +121,8 @@ pub fn run(
     secs: Option<Duration>,
     ender: &Ender,
 ) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, BusSettings::default(), ender)?;
+    let mut connection =
+        Connection::open_with(global, ender, |options| options.tells_traffic = true)?;
     let mut recording = Recording::create(file)?;
     watch_found(&mut connection)?;
     eprintln!("recording to {}; Ctrl-C ends it", file.display());

@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{BusSettings, Command, Event, JobStatus, ScanFault, ScanReport};
+use motorlink_bus::{Command, Event, JobStatus, ScanFault, ScanReport};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::family::Model;
 use serde_json::{Value, json};
@@ -33,7 +33,7 @@ pub fn run(global: &Global, as_json: bool, ender: &Ender) -> Result<(), Failure>
 
 /// Scans at the baud rate at which motors answer, or at both.
 fn scan_any(global: &Global, ender: &Ender) -> Result<(ScanReport, Model), Failure> {
-    let connection = Connection::open(global, BusSettings::default(), ender)?;
+    let connection = Connection::open(global, ender)?;
     let model = connection.driver.model();
     let mut report = scan(&connection)?;
     let is_known = connection
@@ -52,7 +52,8 @@ fn scan_any(global: &Global, ender: &Ender) -> Result<(ScanReport, Model), Failu
         } else {
             Model::Ddsm400
         };
-        let connection = Connection::open_for(global, Some(other), BusSettings::default(), ender)?;
+        let connection =
+            Connection::open_with(global, ender, |options| options.model = Some(other))?;
         let second = scan(&connection)?;
         connection.end()?;
         if !second.found.is_empty() {

@@ -1,6 +1,6 @@
 //! `motorlink set-id`: gives the only motor on the bus another ID.
 
-use motorlink_bus::{BusSettings, Command, Event, IdChangeOutcome, SetIdFrames};
+use motorlink_bus::{Command, Event, IdChangeOutcome, SetIdFrames};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::{AssignableId, MotorId};
 
@@ -15,7 +15,7 @@ use crate::{
 
 /// Proves that the motor is alone, asks, changes its ID, and verifies it.
 pub fn run(global: &Global, new: AssignableId, yes: bool, ender: &Ender) -> Result<(), Failure> {
-    let connection = Connection::open(global, BusSettings::default(), ender)?;
+    let connection = Connection::open(global, ender)?;
     let from = only_motor(&connection)?;
     if from == new.id() {
         eprintln!("The motor has ID {from} already.");

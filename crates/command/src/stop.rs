@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Activity, BusSettings, Command, Event, MotorStatus};
+use motorlink_bus::{Activity, Command, Event, MotorStatus};
 use motorlink_driver::{Ender, Entry};
 use motorlink_protocol::MotorId;
 
@@ -19,7 +19,7 @@ const STOP_MAX: Duration = Duration::from_secs(5);
 
 /// Stops the motors of `--id`, or all that answer.
 pub fn run(global: &Global, ender: &Ender) -> Result<(), Failure> {
-    let connection = Connection::open(global, BusSettings::default(), ender)?;
+    let connection = Connection::open(global, ender)?;
     let mut ids: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
     if ids.is_empty() {
         ids = scan(&connection)?.found;

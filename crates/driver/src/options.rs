@@ -27,6 +27,9 @@ pub struct Options {
     pub settings: BusSettings,
     /// The folder of [`DrivenFile`](crate::DrivenFile); `None` remembers nothing.
     pub state_folder: Option<PathBuf>,
+    /// Whether each frame and each reading is told, as a recording needs them. Otherwise the program wakes up less often,
+    /// and asks for the state when it shows it.
+    pub tells_traffic: bool,
     /// Ends the driver from elsewhere.
     pub ender: Ender,
 }
@@ -41,6 +44,7 @@ impl Options {
             watch: Vec::new(),
             settings: BusSettings::default(),
             state_folder: default_folder(),
+            tells_traffic: false,
             ender: Ender::default(),
         }
     }

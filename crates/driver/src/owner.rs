@@ -64,6 +64,7 @@ pub(crate) struct Owner {
     pub(crate) asked_model: Option<Model>,
     pub(crate) settings: BusSettings,
     pub(crate) watched: BTreeSet<MotorId>,
+    tells_traffic: bool,
     pub(crate) is_halted: bool,
     pub(crate) file: DrivenFile,
     /// The open line; `None` while the port is lost.
@@ -94,6 +95,7 @@ impl Owner {
             asked_model: options.model,
             settings: options.settings,
             watched: options.watch.iter().copied().collect(),
+            tells_traffic: options.tells_traffic,
             is_halted: false,
             file: DrivenFile::none(),
             host: None,
@@ -277,6 +279,7 @@ impl Owner {
     fn tell(&mut self, now: Instant, entry: Entry) {
         let told = match entry {
             Entry::Event(Event::PingPage) => Told::Ping,
+            Entry::Event(Event::Line(_) | Event::Telemetry(_)) if !self.tells_traffic => return,
             entry => Told::Entry(now, entry),
         };
         match self.told.try_send(told) {

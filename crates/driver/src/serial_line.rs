@@ -17,6 +17,7 @@ use serialport::SerialPort;
 
 use crate::{
     inputs::Input,
+    latency::run_on_time,
     line::{Line, Written},
 };
 
@@ -105,6 +106,7 @@ fn is_busy(kind: ErrorKind) -> bool {
 
 /// Reads the port until it is closed or gone.
 fn read(port: &mut dyn SerialPort, number: u32, inputs: &Sender<Input>, closing: &AtomicBool) {
+    run_on_time();
     let mut buffer = [0; BUFFER];
     while !closing.load(Ordering::Relaxed) {
         let input = match port.read(&mut buffer) {

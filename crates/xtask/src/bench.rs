@@ -69,7 +69,7 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 10] = [
     "start",
     "figures",
     "instruments",
@@ -79,6 +79,7 @@ const PARTS: [&str; 9] = [
     "pure",
     "session",
     "recordings",
+    "driver",
 ];
 
 /// The document with the measured figures.
@@ -92,6 +93,10 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     match args {
         [part] if part == "session" => return alone(workspace, &mut session(workspace)),
         [part] if part == "stops" => return alone(workspace, &mut stops(workspace)),
+        [part] if part == "driver" => {
+            build_programs(workspace)?;
+            return alone(workspace, &mut driver(workspace));
+        }
         _ => {}
     }
     let (browser, dist) = prepare(workspace)?;
@@ -110,6 +115,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
             "stops" => stops(workspace),
             "pure" => pure_parts(workspace),
             "session" => session(workspace),
+            "driver" => driver(workspace),
             program => program_of_bench(workspace, &browser, program, args),
         };
         if part == "recordings" {
@@ -145,6 +151,14 @@ fn alone(workspace: &Workspace, part: &mut Command) -> Result<()> {
 /// Writes and reads a session file of one hour.
 fn session(workspace: &Workspace) -> Command {
     example(workspace, "motorlink-session", "one_hour")
+}
+
+/// Drives virtual motors on a pseudo-terminal natively.
+fn driver(workspace: &Workspace) -> Command {
+    let built = workspace.target().join(PROFILE);
+    let mut figures = example(workspace, "motorlink-command", "driver_figures");
+    figures.env("MOTORLINK_COMMAND", motorlink(&built));
+    figures
 }
 
 /// Runs an example of a crate, optimised.

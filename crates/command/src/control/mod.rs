@@ -5,7 +5,7 @@ mod screen;
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{Activity, BusSettings, Command, Consent, GroupSetpoints, StopReason};
+use motorlink_bus::{Activity, Command, Consent, GroupSetpoints, StopReason};
 use motorlink_driver::{Ender, Next, Status};
 use motorlink_protocol::{Acceleration, MotorId, Setpoint, SpeedTarget};
 use ratatui::{
@@ -41,7 +41,7 @@ pub struct How {
 
 /// Drives by keys until Q or Ctrl-C.
 pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, BusSettings::default(), ender)?;
+    let mut connection = Connection::open(global, ender)?;
     watch_found(&mut connection)?;
     let model = connection.driver.model();
     let screen = Screen::new(connection.motors.clone(), model, how.latches);
