@@ -308,6 +308,16 @@ pub struct SignedId {
     pub mirror: Mirror,
 }
 
+impl SignedId {
+    /// A motor that is not mirrored.
+    pub const fn straight(id: MotorId) -> Self {
+        Self {
+            id,
+            mirror: Mirror::Straight,
+        }
+    }
+}
+
 impl FromStr for SignedId {
     type Err = String;
 

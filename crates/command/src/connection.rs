@@ -2,18 +2,24 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{Event, JobStatus, Mirror, MotorStatus, StopReason};
+use motorlink_bus::{Command, Event, IdQueryOutcome};
 use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
 use motorlink_protocol::MotorId;
 
 use crate::{
     arguments::{Global, SignedId},
     failure::Failure,
+    output::say,
     words,
 };
 
 /// How long to wait for an entry before looking at the clock again.
 const STEP: Duration = Duration::from_millis(20);
+/// Time for three ID queries.
+const ID_QUERY_MIN: Duration = Duration::from_millis(300);
+
+/// What to do where no motor answers.
+pub const WIRING: &str = "Is the supply on? Is the ground joined? Swap A and B";
 
 /// An open line with its motors. The motors are stopped when it is dropped.
 pub struct Connection {
@@ -32,12 +38,7 @@ pub enum Happened {
 }
 
 impl Connection {
-    /// Opens the line of these arguments. The signals that end a program end the driver.
-    pub fn open(global: &Global, ender: &Ender) -> Result<Self, Failure> {
-        Self::open_with(global, ender, |_| ())
-    }
-
-    /// The same, with other options.
+    /// Opens the line of these arguments, with what `change` changes. The signals that end a program end the driver.
     pub fn open_with(
         global: &Global,
         ender: &Ender,
@@ -71,7 +72,7 @@ impl Connection {
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
                 if let Some(text) = words::of_entry(&entry) {
-                    eprintln!("{text}");
+                    say(format_args!("{text}"));
                 }
                 Ok(Happened::Entry(at, entry))
             }
@@ -83,7 +84,13 @@ impl Connection {
 
     /// The state of the line now.
     pub fn status(&self) -> Result<Status, Failure> {
-        self.driver.status().ok_or(Failure::Interrupted)
+        self.driver.status().ok_or_else(|| {
+            if self.ender.is_asked() {
+                Failure::Interrupted
+            } else {
+                Failure::NotDone("this computer is too busy: the driver does not answer".to_owned())
+            }
+        })
     }
 
     /// Waits until `found` returns a result. Returns `None` after `limit`.
@@ -104,80 +111,82 @@ impl Connection {
         }
     }
 
-    /// Waits until the motors have answered and no stop of an earlier program runs. Without `--id`, the motor is the one
-    /// that answers the ID query.
+    /// Waits until the motors have answered. Without `--id`, the motor is the only one that answers the ID query.
     ///
     /// # Errors
     /// One does not answer in time, or none or several answer.
     pub fn wait_for_motors(&mut self) -> Result<(), Failure> {
-        let asked: Vec<MotorId> = self.motors.iter().map(|motor| motor.id).collect();
-        let has_answered = |motor: &&MotorStatus| motor.last.is_some();
-        let ready = |status: &Status| {
-            let answered: Vec<MotorId> = status
-                .motors
-                .iter()
-                .filter(has_answered)
-                .map(|motor| motor.id)
-                .collect();
-            let all = asked.iter().all(|id| answered.contains(id)) && !answered.is_empty();
-            let known = status.line.is_some_and(|line| line.model_known);
-            (all && known && !is_stopping_first(status)).then_some(answered)
-        };
-        // A stop of what an earlier program left running takes as long as its window.
-        let answered = self.wait_for(self.timeout + Duration::from_secs(3), |status| {
-            ready(status).map(Ok).or_else(|| {
-                let is_late = status.now.since(motorlink_protocol::Instant::ZERO)
-                    > self.timeout + Duration::from_secs(1);
-                (is_late && !is_stopping_first(status)).then_some(Err(()))
-            })
-        })?;
-        if let Some(Ok(answered)) = answered {
-            if self.motors.is_empty() {
-                let unsigned = |id| SignedId {
-                    id,
-                    mirror: Mirror::Straight,
-                };
-                self.motors = answered.into_iter().map(unsigned).collect();
-            }
-            return Ok(());
+        if self.motors.is_empty() {
+            let id = self.only_motor()?;
+            self.driver.command(Command::Watch(id));
+            self.motors.push(SignedId::straight(id));
         }
-        let status = self.status()?;
-        let answered: Vec<MotorId> = status
-            .motors
-            .iter()
-            .filter(has_answered)
-            .map(|motor| motor.id)
-            .collect();
-        let silent = asked.iter().filter(|id| !answered.contains(id)).copied();
-        let silent: Vec<MotorId> = silent.collect();
-        let missing = if silent.is_empty() {
-            "motor".to_owned()
-        } else {
-            words::ids(silent)
+        let asked: Vec<MotorId> = self.motors.iter().map(|motor| motor.id).collect();
+        let silent = |status: &Status| -> Vec<MotorId> {
+            let answers =
+                |id: &MotorId| status.motor(*id).is_some_and(|motor| motor.last.is_some());
+            asked.iter().filter(|id| !answers(id)).copied().collect()
         };
-        let others = answered.iter().filter(|id| !asked.contains(id)).copied();
-        let others: Vec<MotorId> = others.collect();
-        Err(Failure::NotDone(if others.is_empty() {
-            format!(
-                "no reply from {missing}. Check the supply, swap A and B, or find its ID: motorlink scan"
-            )
-        } else {
-            format!(
-                "no reply from {missing}, but from {}: use --id",
-                words::ids(others)
-            )
-        }))
+        let ready = |status: &Status| {
+            let is_known = status.line.is_some_and(|line| line.model_known);
+            (is_known && silent(status).is_empty()).then_some(())
+        };
+        if self.wait_for(self.timeout, ready)?.is_none() {
+            let status = self.status()?;
+            let missing = words::ids(silent(&status));
+            let others = status.motors.iter().filter(|motor| motor.last.is_some());
+            let others = others
+                .map(|motor| motor.id)
+                .filter(|id| !asked.contains(id));
+            let others: Vec<MotorId> = others.collect();
+            return Err(Failure::NotDone(if others.is_empty() {
+                format!("no reply from {missing}. {WIRING}, or find its ID: motorlink scan")
+            } else {
+                format!(
+                    "no reply from {missing}, but from {}: use --id",
+                    words::ids(others)
+                )
+            }));
+        }
+        // What was said before is not about what is asked for next.
+        while let Happened::Entry(..) = self.next_within(Duration::ZERO)? {}
+        Ok(())
     }
 
-    /// Stops the motors, closes the port, and prints what the stop has shown.
-    ///
-    /// # Errors
-    /// A standstill is not confirmed.
-    pub fn end(self) -> Result<(), Failure> {
-        self.end_with(|_, _| Ok(()))
+    /// The only motor that answers the ID query: that of the opened port, or one that is asked now.
+    fn only_motor(&self) -> Result<MotorId, Failure> {
+        let mut outcome = None;
+        while let Happened::Entry(_, entry) = self.next_within(Duration::ZERO)? {
+            outcome = id_query_ended(&entry).or(outcome);
+        }
+        let until = Instant::now() + self.timeout.max(ID_QUERY_MIN);
+        loop {
+            match outcome {
+                Some(IdQueryOutcome::One(id)) => return Ok(id),
+                Some(IdQueryOutcome::Garbled) => {
+                    let text =
+                        "several motors answer, or there is noise: use --id, or see motorlink scan";
+                    return Err(Failure::NotDone(text.to_owned()));
+                }
+                // A stop of motors that an earlier program left running cancels it, and one without power may get it.
+                Some(IdQueryOutcome::NoReply | IdQueryOutcome::Cancelled) | None => {
+                    self.driver.command(Command::IdQuery);
+                }
+            }
+            outcome = None;
+            while outcome.is_none() {
+                if Instant::now() >= until {
+                    let text = format!("no motor answers. {WIRING}, or see motorlink scan");
+                    return Err(Failure::NotDone(text));
+                }
+                if let Happened::Entry(_, entry) = self.next()? {
+                    outcome = id_query_ended(&entry);
+                }
+            }
+        }
     }
 
-    /// The same. Each entry of the stop goes to `take`.
+    /// Stops the motors, closes the port, and prints what the stop has shown. Each entry of the stop goes to `take`.
     ///
     /// # Errors
     /// A standstill is not confirmed, or `take` fails.
@@ -198,6 +207,44 @@ impl Connection {
     }
 }
 
+/// Opens the line, does `work` on it, and ends it whatever comes: the motors are stopped, and what the stop has shown is
+/// printed.
+///
+/// # Errors
+/// A standstill is not confirmed, which matters most, or `work` has failed.
+pub fn on_line(
+    global: &Global,
+    ender: &Ender,
+    change: impl FnOnce(&mut Options),
+    work: impl FnOnce(&mut Connection) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut connection = Connection::open_with(global, ender, change)?;
+    let worked = work(&mut connection);
+    let stopped = connection.end_with(|_, _| Ok(()));
+    most_serious(worked, stopped)
+}
+
+fn id_query_ended(entry: &Entry) -> Option<IdQueryOutcome> {
+    match entry {
+        Entry::Event(Event::IdQueryEnded(outcome)) => Some(*outcome),
+        _ => None,
+    }
+}
+
+/// The failure of a stop, if it has failed: then the other one is only printed.
+pub fn most_serious(
+    worked: Result<(), Failure>,
+    stopped: Result<(), Failure>,
+) -> Result<(), Failure> {
+    match (worked, stopped) {
+        (Err(worked), Err(stopped)) => {
+            say(worked);
+            Err(stopped)
+        }
+        (worked, stopped) => stopped.and(worked),
+    }
+}
+
 /// Prints what a stop has shown.
 ///
 /// # Errors
@@ -206,37 +253,32 @@ fn report(ending: &Ending) -> Result<(), Failure> {
     if let Some(stop) = &ending.last_stop
         && !stop.motors.is_empty()
     {
-        eprintln!("{}", words::of_stop(stop));
+        say(words::of_stop(stop));
+    }
+    let failed = "motorlink itself has failed: please report it";
+    if !ending.may_turn.is_empty() {
+        let ids = words::ids(ending.may_turn.iter().copied());
+        let failed = if ending.has_failed {
+            format!(" ({failed})")
+        } else {
+            String::new()
+        };
+        return Err(Failure::NotDone(format!(
+            "motors {ids} may turn: cut their power{failed}"
+        )));
     }
     if ending.has_failed {
-        let text = "the driver has failed, which is a fault of motorlink. Please report it";
-        return Err(Failure::NotDone(text.to_owned()));
+        return Err(Failure::NotDone(failed.to_owned()));
     }
-    if ending.may_turn.is_empty() {
-        return Ok(());
-    }
-    let ids = words::ids(ending.may_turn.iter().copied());
-    Err(Failure::NotDone(format!(
-        "motors {ids} may turn: cut their power, or run `motorlink stop`"
-    )))
-}
-
-/// Whether motors are being stopped before anything else.
-fn is_stopping_first(status: &Status) -> bool {
-    let stops =
-        |motor: &MotorStatus| matches!(motor.activity, motorlink_bus::Activity::Stopping { .. });
-    matches!(status.job, Some(JobStatus::Stopping)) || status.motors.iter().any(stops)
+    Ok(())
 }
 
 /// The motors of `--id`, or else all virtual ones. Empty if they are to be found.
 fn motors(global: &Global) -> Vec<SignedId> {
-    let unsigned = |id| SignedId {
-        id,
-        mirror: Mirror::Straight,
-    };
     match global.virtual_motors {
         Some(count) if global.id.is_empty() => {
-            (1..=count).flat_map(MotorId::new).map(unsigned).collect()
+            let ids = (1..=count).flat_map(MotorId::new);
+            ids.map(SignedId::straight).collect()
         }
         _ => global.id.clone(),
     }
@@ -258,20 +300,10 @@ fn place(global: &Global) -> Result<Place, Failure> {
     }
 }
 
-/// Whether an entry says that what was asked for does not happen, or has ended.
-pub fn ends_drive(entry: &Entry) -> bool {
-    match entry {
-        Entry::Refused { .. } | Entry::TooLate(_) | Entry::NotConnected(_) => true,
-        Entry::Event(Event::StopEnded(report)) => report.reason == StopReason::LeftDriven,
-        Entry::Event(Event::StopBegan(reason)) => matches!(
-            reason,
-            StopReason::PageSilent | StopReason::ComputerSlept | StopReason::LoopDelayed
-        ),
-        Entry::Event(event) => matches!(
-            event,
-            Event::NotStarted { .. } | Event::Withdrawn { .. } | Event::OtherModel { .. }
-        ),
-        // What was driven is stopped when the port is back.
-        Entry::PortLost { .. } | Entry::PortBack | Entry::NotRemembered => false,
-    }
+/// Whether an entry says that what was asked for was not done.
+pub fn is_not_done(entry: &Entry) -> bool {
+    matches!(
+        entry,
+        Entry::Refused { .. } | Entry::TooLate(_) | Entry::NotConnected(_)
+    )
 }

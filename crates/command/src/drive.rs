@@ -5,19 +5,18 @@ use std::{
     time::{Duration, Instant},
 };
 
-use motorlink_bus::{
-    Activity, BusSettings, Command, Consent, GroupSetpoints, MotorStatus, needs_consent,
-};
-use motorlink_driver::{Ender, Status};
+use motorlink_bus::{Activity, BusSettings, Consent, Event, StopReason, needs_consent};
+use motorlink_driver::{Ender, Entry, Status};
 use motorlink_protocol::{
     Acceleration, CurrentTarget, PositionTarget, Setpoint, SpeedTarget, family::Model,
 };
 
 use crate::{
     arguments::{Drive, Global, How, SignedId},
-    connection::{Connection, Happened, ends_drive},
+    connection::{Connection, Happened, is_not_done, most_serious},
     failure::Failure,
     recording::Recording,
+    starting,
     values::Values,
 };
 
@@ -27,29 +26,32 @@ const DRAW: Duration = Duration::from_millis(100);
 /// Drives the motors until the time is over, Ctrl-C, or one of them ends it.
 pub fn run(global: &Global, drive: Drive, ender: &Ender) -> Result<(), Failure> {
     let (setpoint, how, settings, consent) = asked(drive)?;
+    let mut recording = None;
     let mut connection = Connection::open_with(global, ender, |options| {
         options.settings = settings;
         options.tells_traffic = how.record.is_some();
     })?;
-    let mut recording = how.record.as_deref().map(Recording::create).transpose()?;
-    connection.wait_for_motors()?;
-    let model = connection.driver.model();
-    connection
-        .driver
-        .command(command(&connection.motors, setpoint, consent)?);
-    let result = hold(&connection, how.secs, model, recording.as_mut());
+    let driven = connection.wait_for_motors().and_then(|()| {
+        if let Some(file) = &how.record {
+            recording = Some(Recording::create(file, &connection)?);
+        }
+        let motors = connection.motors.iter().copied();
+        let command = starting::start(motors, setpoint, consent).map_err(usage)?;
+        connection.driver.command(command);
+        hold(&connection, how.secs, recording.as_mut())
+    });
     let stopped = connection.end_with(|at, entry| match &mut recording {
         Some(recording) => recording.add(at, entry),
         None => Ok(()),
     });
-    if let Some(recording) = recording {
-        recording.finish()?;
-    }
-    match result {
-        // Ctrl-C is the usual end of a drive.
-        Ok(()) | Err(Failure::Interrupted) => stopped,
-        Err(failure) => stopped.and(Err(failure)),
-    }
+    // Ctrl-C is the usual end of a drive.
+    let driven = match driven {
+        Err(Failure::Interrupted) => Ok(()),
+        driven => driven,
+    };
+    let done = most_serious(driven, stopped);
+    let recorded = recording.map_or(Ok(()), Recording::finish);
+    most_serious(recorded, done)
 }
 
 /// Reads the setpoint, of a wheel that is not mirrored.
@@ -112,38 +114,24 @@ fn usage(error: impl std::fmt::Display) -> Failure {
     Failure::Usage(error.to_string())
 }
 
-fn command(motors: &[SignedId], setpoint: Setpoint, consent: Consent) -> Result<Command, Failure> {
-    let of = |motor: &SignedId| (motor.id, motor.mirror.setpoint(setpoint));
-    let entries: Vec<_> = motors.iter().map(of).collect();
-    Ok(match entries.as_slice() {
-        [(id, setpoint)] => Command::Start {
-            id: *id,
-            setpoint: *setpoint,
-            consent,
-        },
-        entries => {
-            let setpoints = GroupSetpoints::new(entries).map_err(usage)?;
-            Command::StartGroup { setpoints, consent }
-        }
-    })
-}
-
 /// Waits until the time is over, which counts from the moment at which all motors are driven.
 fn hold(
     connection: &Connection,
     secs: Option<Duration>,
-    model: Model,
     mut recording: Option<&mut Recording>,
 ) -> Result<(), Failure> {
     let shows = stdout().is_terminal();
+    let model = connection.driver.model();
     let mut until = None;
+    let mut was_lost = false;
     let mut draw_at = Instant::now();
     loop {
         if let Happened::Entry(at, entry) = connection.next()? {
             if let Some(recording) = &mut recording {
                 recording.add(at, &entry)?;
             }
-            if ends_drive(&entry) {
+            was_lost |= matches!(entry, Entry::PortLost { .. });
+            if ends_drive(&entry, was_lost) {
                 return Err(Failure::NotDone("the drive has ended".to_owned()));
             }
         }
@@ -155,7 +143,7 @@ fn hold(
             continue;
         }
         let status = connection.status()?;
-        let of = |signed: &SignedId| status.motors.iter().find(|motor| motor.id == signed.id);
+        let of = |signed: &SignedId| status.motor(signed.id);
         let is_driven = |signed: &SignedId| {
             of(signed).is_some_and(|motor| matches!(motor.activity, Activity::Driven { .. }))
         };
@@ -173,7 +161,7 @@ fn hold(
 
 fn draw(status: &Status, motors: &[SignedId], model: Model) {
     let of = |signed: &SignedId| {
-        let motor: &MotorStatus = status.motors.iter().find(|motor| motor.id == signed.id)?;
+        let motor = status.motor(signed.id)?;
         let values = Values::of(model, motor, status.now, *signed);
         let speed = values
             .speed_rpm
@@ -188,4 +176,25 @@ fn draw(status: &Status, motors: &[SignedId], model: Model) {
     print!("\r\x1b[K{}  Ctrl-C stops", motors.join("  "));
     // A terminal that is gone ends the program by a signal.
     let _ = stdout().flush();
+}
+
+/// Whether an entry ends the drive. What was driven when the port was lost is stopped when it is back, which ends it too.
+fn ends_drive(entry: &Entry, was_lost: bool) -> bool {
+    match entry {
+        Entry::Event(Event::StopEnded(report)) => {
+            was_lost && report.reason == StopReason::LeftDriven
+        }
+        Entry::Event(Event::StopBegan(reason)) => matches!(
+            reason,
+            StopReason::PageSilent | StopReason::ComputerSlept | StopReason::LoopDelayed
+        ),
+        Entry::Event(event) => matches!(
+            event,
+            Event::NotStarted { .. }
+                | Event::Withdrawn { .. }
+                | Event::ModeSwitchFailed { .. }
+                | Event::OtherModel { .. }
+        ),
+        entry => is_not_done(entry),
+    }
 }

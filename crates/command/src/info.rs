@@ -7,65 +7,74 @@ use serde_json::{Value, json};
 
 use crate::{
     arguments::{Global, SignedId},
-    connection::Connection,
+    connection::on_line,
     failure::Failure,
+    output::print,
     values::{Values, or_dash},
 };
 
 /// Prints what the motors report.
 pub fn run(global: &Global, as_json: bool, ender: &Ender) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, ender)?;
-    connection.wait_for_motors()?;
-    // The first reply to an ID query has no temperature.
-    connection.wait_for(global.timeout, |status| {
-        let known = status
-            .motors
-            .iter()
-            .all(|motor| motor.temperature.is_some());
-        known.then_some(())
-    })?;
-    let status = connection.status()?;
-    let model = connection.driver.model();
-    let motors = connection.motors.iter().filter_map(|signed| {
-        let motor = status.motors.iter().find(|motor| motor.id == signed.id)?;
-        Some((*signed, *motor))
-    });
-    if as_json {
-        let motors = motors.map(|(signed, motor)| to_json(model, &motor, status.now, signed));
-        println!("{}", Value::from(motors.collect::<Vec<_>>()));
-    } else {
-        for (signed, motor) in motors {
-            print(model, &motor, status.now, signed);
-        }
-    }
-    connection.end()
+    on_line(
+        global,
+        ender,
+        |_| (),
+        |connection| {
+            connection.wait_for_motors()?;
+            // The first reply to an ID query has no temperature.
+            connection.wait_for(global.timeout, |status| {
+                let mut motors = status.motors.iter();
+                motors
+                    .all(|motor| motor.temperature.is_some())
+                    .then_some(())
+            })?;
+            let status = connection.status()?;
+            let model = connection.driver.model();
+            let of = |signed: &SignedId| Some((*signed, *status.motor(signed.id)?));
+            let mut motors = connection.motors.iter().filter_map(of);
+            if as_json {
+                let motors =
+                    motors.map(|(signed, motor)| to_json(model, &motor, status.now, signed));
+                return print(Value::from(motors.collect::<Vec<_>>()));
+            }
+            motors.try_for_each(|(signed, motor)| describe(model, &motor, status.now, signed))
+        },
+    )
 }
 
-fn print(model: Model, motor: &MotorStatus, now: Instant, signed: SignedId) {
+fn describe(
+    model: Model,
+    motor: &MotorStatus,
+    now: Instant,
+    signed: SignedId,
+) -> Result<(), Failure> {
     let values = Values::of(model, motor, now, signed);
     let spec = model.spec();
-    println!("Motor       {signed} ({})", signed.id.get());
-    println!(
+    print(format_args!("Motor       {signed} ({})", signed.id.get()))?;
+    print(format_args!(
         "Model       {model} ({}), {} baud",
         spec.maker_name, spec.baud
-    );
-    println!("Loop        {}", or_dash(values.mode));
-    println!(
+    ))?;
+    print(format_args!("Loop        {}", or_dash(values.mode)))?;
+    print(format_args!(
         "Speed       {}",
         or_dash(values.speed_rpm.map(|rpm| format!("{rpm:+} rpm")))
-    );
-    println!("Current     {}", or_dash(values.current));
-    println!("Angle       {}", or_dash(values.angle));
-    println!("Temperature {}", or_dash(values.temperature));
-    println!("Faults      {}", or_dash(values.faults));
+    ))?;
+    print(format_args!("Current     {}", or_dash(values.current)))?;
+    print(format_args!("Angle       {}", or_dash(values.angle)))?;
+    print(format_args!("Temperature {}", or_dash(values.temperature)))?;
+    print(format_args!("Faults      {}", or_dash(values.faults)))?;
     let round_trip = motor.link.round_trip_us;
-    println!(
+    print(format_args!(
         "Round trip  {}",
         or_dash(round_trip.map(|us| format!("{:.2} ms", f64::from(us) / 1000.0)))
-    );
+    ))?;
     if motor.turns_unasked {
-        println!("It turns, and nothing here drives it: motorlink stop");
+        print(format_args!(
+            "It turns, and nothing here drives it: motorlink stop"
+        ))?;
     }
+    Ok(())
 }
 
 fn to_json(model: Model, motor: &MotorStatus, now: Instant, signed: SignedId) -> Value {

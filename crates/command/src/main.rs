@@ -8,12 +8,16 @@ mod drive;
 mod failure;
 mod info;
 mod monitor;
+mod output;
 mod ports;
 mod raw;
 mod recording;
 mod scan;
 mod session;
 mod set_id;
+#[cfg(unix)]
+mod signals;
+mod starting;
 mod stop;
 mod values;
 #[cfg(unix)]
@@ -29,6 +33,7 @@ use motorlink_protocol::Acceleration;
 
 use arguments::{Action, Arguments};
 use failure::Failure;
+use output::say;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -51,8 +56,15 @@ fn main() -> ExitCode {
     let ender = Ender::default();
     let of_signal = ender.clone();
     // Ctrl-C, SIGTERM, SIGHUP and the console events of Windows end the driver, which stops the motors.
-    if let Err(error) = ctrlc::set_handler(move || of_signal.end()) {
-        eprintln!("motorlink: signals cannot be handled, so nothing is driven: {error}");
+    let handled = ctrlc::set_handler(move || of_signal.end());
+    #[cfg(unix)]
+    let handled = handled
+        .map_err(std::io::Error::other)
+        .and_then(|()| signals::end_instead(&ender));
+    if let Err(error) = handled {
+        say(format_args!(
+            "motorlink: signals cannot be handled, so nothing is driven: {error}"
+        ));
         return ExitCode::FAILURE;
     }
     exit(run(arguments, &ender))
@@ -62,7 +74,7 @@ fn exit(done: Result<(), Failure>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("motorlink: {failure}");
+            say(format_args!("motorlink: {failure}"));
             failure.exit_code()
         }
     }
@@ -109,7 +121,7 @@ fn usage(error: &clap::Error) -> ExitCode {
             let text = error.to_string();
             let first = text.lines().next().unwrap_or_default();
             let said = first.strip_prefix("error: ").unwrap_or(first);
-            eprintln!("motorlink: {said}; see --help");
+            say(format_args!("motorlink: {said}; see --help"));
             ExitCode::from(2)
         }
     }

@@ -16,8 +16,9 @@ use motorlink_session::TelemetryJson;
 
 use crate::{
     arguments::{Global, Monitor},
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, on_line},
     failure::Failure,
+    output::say,
     recording::zero_unix_us,
     values::Values,
     watching::watch_found,
@@ -36,19 +37,20 @@ enum Output {
 /// Shows the motors until Ctrl-C or the end of the time.
 pub fn run(global: &Global, how: &Monitor, ender: &Ender) -> Result<(), Failure> {
     let writes_all = how.json || how.csv.is_some();
-    let mut connection =
-        Connection::open_with(global, ender, |options| options.tells_traffic = writes_all)?;
-    watch_found(&mut connection)?;
-    let mut output = output(&connection, how)?;
-    let result = show(&connection, how, &mut output);
-    if matches!(output, Output::Table) {
-        println!();
-    }
-    let stopped = connection.end();
-    match result {
-        Ok(()) | Err(Failure::Interrupted) => stopped,
-        Err(failure) => Err(failure),
-    }
+    on_line(
+        global,
+        ender,
+        |options| options.tells_traffic = writes_all,
+        |connection| {
+            watch_found(connection)?;
+            let mut output = output(connection, how)?;
+            match show(connection, how, &mut output) {
+                // Ctrl-C is the usual end.
+                Err(Failure::Interrupted) => Ok(()),
+                shown => shown,
+            }
+        },
+    )
 }
 
 fn output(connection: &Connection, how: &Monitor) -> Result<Output, Failure> {
@@ -62,7 +64,10 @@ fn output(connection: &Connection, how: &Monitor) -> Result<Output, Failure> {
     let mut out: Box<dyn Write> = match csv {
         Some(path) => {
             if path.exists() {
-                eprintln!("{} exists already: it is overwritten", path.display());
+                say(format_args!(
+                    "{} exists already: it is overwritten",
+                    path.display()
+                ));
             }
             Box::new(File::create(path).map_err(Failure::file(path))?)
         }
@@ -102,7 +107,7 @@ fn show(connection: &Connection, how: &Monitor, output: &mut Output) -> Result<(
         draw_at = now + period;
         match output {
             Output::Table => drawn_lines = draw(connection, drawn_lines)?,
-            Output::Lines => print(connection)?,
+            Output::Lines => print_lines(connection)?,
             Output::Csv(..) | Output::Json(_) => {}
         }
     }
@@ -173,7 +178,7 @@ fn lines(connection: &Connection) -> Result<Vec<String>, Failure> {
     let status = connection.status()?;
     let model = connection.driver.model();
     let of = |signed: &crate::arguments::SignedId| {
-        let motor = status.motors.iter().find(|motor| motor.id == signed.id)?;
+        let motor = status.motor(signed.id)?;
         Some(Values::of(model, motor, status.now, *signed).line())
     };
     Ok(connection.motors.iter().filter_map(of).collect())
@@ -196,7 +201,7 @@ fn draw(connection: &Connection, drawn_lines: usize) -> Result<usize, Failure> {
     Ok(lines.len() + 1)
 }
 
-fn print(connection: &Connection) -> Result<(), Failure> {
+fn print_lines(connection: &Connection) -> Result<(), Failure> {
     let mut out = stdout().lock();
     for line in lines(connection)? {
         writeln!(out, "{line}").map_err(Failure::output)?;

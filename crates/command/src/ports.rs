@@ -3,18 +3,21 @@
 use motorlink_driver::{FoundPort, found_ports};
 use serde_json::{Value, json};
 
-use crate::failure::Failure;
+use crate::{
+    failure::Failure,
+    output::{print, say},
+};
 
 /// Prints the ports.
 pub fn run(as_json: bool) -> Result<(), Failure> {
     let ports = found_ports()?;
     if as_json {
         let ports: Vec<_> = ports.iter().map(to_json).collect();
-        println!("{}", Value::from(ports));
+        print(format_args!("{}", Value::from(ports)))?;
         return Ok(());
     }
     if ports.is_empty() {
-        eprintln!("no serial ports: plug the USB adapter in");
+        say(format_args!("no serial ports: plug the USB adapter in"));
     }
     for port in &ports {
         let usb = port.usb.as_ref().map(|usb| {
@@ -29,13 +32,13 @@ pub fn run(as_json: bool) -> Result<(), Failure> {
                 serial.unwrap_or_default()
             )
         });
-        println!(
+        print(format_args!(
             "{}  {}",
             port.path,
             usb.as_deref().unwrap_or("not a USB adapter")
-        );
+        ))?;
         if let Some(holder) = &port.holder {
-            println!("    in use by {holder}: {}", holder.remedy());
+            print(format_args!("    in use by {holder}: {}", holder.remedy()))?;
         }
     }
     Ok(())

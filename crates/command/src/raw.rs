@@ -1,36 +1,40 @@
 //! `motorlink raw`: ten bytes as they are.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use motorlink_bus::{Command, Consent, RawAnswer, Repeat, is_hazardous};
-use motorlink_driver::{Ender, Entry};
+use motorlink_driver::Ender;
 use motorlink_protocol::{Frame, explain_received, explain_sent};
 
 use crate::{
     arguments::Global,
     confirm::confirm,
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, is_not_done, on_line},
     failure::Failure,
+    output::{print, say},
 };
 
 /// How long to wait until the reply window of the frame has ended.
 const ANSWER_MAX: Duration = Duration::from_secs(2);
+/// How long to wait for a reply that shows the model. A raw frame needs none.
+const MODEL_MAX: Duration = Duration::from_millis(300);
 
 /// Sends the frame once, and prints the answer. What it has moved is stopped.
 pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<(), Failure> {
     if is_hazardous(&frame) && !yes {
-        eprintln!("{frame} is: {}", explain_sent(&frame, None));
-        eprintln!(
+        say(format_args!("{frame} is: {}", explain_sent(&frame, None)));
+        say(format_args!(
             "It may move a wheel or change a motor. A motor that it moves is stopped when this program ends."
-        );
+        ));
         confirm("Send it?")?;
     }
-    let connection = Connection::open(global, ender)?;
-    connection.wait_for(Duration::from_millis(300), |status| {
-        status
-            .line
-            .is_some_and(|line| line.model_known)
-            .then_some(())
+    on_line(global, ender, |_| (), |connection| send(connection, frame))
+}
+
+fn send(connection: &Connection, frame: Frame) -> Result<(), Failure> {
+    connection.wait_for(MODEL_MAX, |status| {
+        let line = status.line;
+        line.is_some_and(|line| line.model_known).then_some(())
     })?;
     let repeat = Repeat::Once;
     let consent = Consent::HighCurrent;
@@ -39,36 +43,42 @@ pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<()
         repeat,
         consent,
     });
-    println!("TX: {frame}");
-    let until = std::time::Instant::now() + ANSWER_MAX;
+    let until = Instant::now() + ANSWER_MAX;
     let answer = loop {
-        if let Happened::Entry(_, Entry::Refused { refusal, .. }) = connection.next()? {
-            return Err(Failure::NotDone(format!("not sent: {refusal}")));
+        if let Happened::Entry(_, entry) = connection.next()?
+            && is_not_done(&entry)
+        {
+            return Err(Failure::NotDone("the frame was not sent".to_owned()));
         }
         let raw = connection.status()?.raw;
         let answer = raw.filter(|raw| !raw.running).and_then(|raw| raw.last);
-        if answer.is_some() || std::time::Instant::now() >= until {
+        if answer.is_some() || Instant::now() >= until {
             break answer;
         }
     };
+    if answer == Some(RawAnswer::NotSent) {
+        return Err(Failure::NotDone(
+            "the port did not take the frame".to_owned(),
+        ));
+    }
+    print(format_args!("TX: {frame}"))?;
     match answer {
         Some(RawAnswer::Reply {
             frame,
             asked,
             after_us,
         }) => {
-            println!("RX: {frame}");
             let after = f64::from(after_us) / 1000.0;
-            println!(
+            print(format_args!("RX: {frame}"))?;
+            print(format_args!(
                 "    {} (after {after:.2} ms)",
                 explain_received(&frame, asked)
-            );
+            ))?;
         }
-        Some(RawAnswer::Garbled) => println!("RX: (bytes that are no frame)"),
-        Some(RawAnswer::NoneExpected) => println!("RX: (this frame has no answer)"),
-        Some(RawAnswer::NotSent) => println!("RX: (the port did not take the frame)"),
-        Some(RawAnswer::Silence { .. }) | None => println!("RX: (no response)"),
+        Some(RawAnswer::Garbled) => print("RX: (bytes that are no frame)")?,
+        Some(RawAnswer::NoneExpected) => print("RX: (this frame has no answer)")?,
+        Some(RawAnswer::NotSent | RawAnswer::Silence { .. }) | None => print("RX: (no response)")?,
     }
     connection.driver.command(Command::StopRaw);
-    connection.end()
+    Ok(())
 }

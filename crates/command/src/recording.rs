@@ -14,8 +14,9 @@ use motorlink_session::{Event as Mark, EventKind, Writer};
 
 use crate::{
     arguments::Global,
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, most_serious},
     failure::Failure,
+    output::say,
     watching::watch_found,
     words,
 };
@@ -27,8 +28,7 @@ const PIECE: usize = 64 << 10;
 pub struct Recording {
     path: PathBuf,
     out: BufWriter<File>,
-    /// `None` before the first entry, which tells the time of its clock.
-    writer: Option<Writer>,
+    writer: Writer,
 }
 
 impl Recording {
@@ -36,13 +36,15 @@ impl Recording {
     ///
     /// # Errors
     /// It exists, or cannot be written.
-    pub fn create(path: &Path) -> Result<Self, Failure> {
+    pub fn create(path: &Path, connection: &Connection) -> Result<Self, Failure> {
         // A recording is not made twice.
+        let zero_us = zero_unix_us(connection.status()?.now);
         let file = File::create_new(path).map_err(Failure::file(path))?;
+        let about = [("program", concat!("motorlink ", env!("CARGO_PKG_VERSION")))];
         Ok(Self {
             path: path.to_owned(),
             out: BufWriter::new(file),
-            writer: None,
+            writer: Writer::new(zero_us, &about),
         })
     }
 
@@ -51,10 +53,7 @@ impl Recording {
     /// # Errors
     /// The disk is full, or so.
     pub fn add(&mut self, at: Instant, entry: &Entry) -> Result<(), Failure> {
-        let writer = self.writer.get_or_insert_with(|| {
-            let about = [("program", concat!("motorlink ", env!("CARGO_PKG_VERSION")))];
-            Writer::new(zero_unix_us(at), &about)
-        });
+        let writer = &mut self.writer;
         match entry {
             Entry::Event(Event::Line(line)) => writer.line(line),
             Entry::Event(Event::StopEnded(report)) => writer.event(at, &stop_mark(report)),
@@ -85,13 +84,10 @@ impl Recording {
 
     /// Writes what is left, and the index.
     pub fn finish(mut self) -> Result<(), Failure> {
-        let written = match self.writer {
-            Some(writer) => self.out.write_all(&writer.finish()),
-            None => Ok(()),
-        };
+        let written = self.out.write_all(&self.writer.finish());
         let written = written.and_then(|()| self.out.flush());
         written.map_err(Failure::file(&self.path))?;
-        eprintln!("{}: recorded", self.path.display());
+        say(format_args!("{}: recorded", self.path.display()));
         Ok(())
     }
 }
@@ -121,24 +117,31 @@ pub fn run(
     secs: Option<Duration>,
     ender: &Ender,
 ) -> Result<(), Failure> {
+    let mut recording = None;
     let mut connection =
         Connection::open_with(global, ender, |options| options.tells_traffic = true)?;
-    let mut recording = Recording::create(file)?;
-    watch_found(&mut connection)?;
-    eprintln!("recording to {}; Ctrl-C ends it", file.display());
-    let begun = std::time::Instant::now();
-    let result = loop {
-        if secs.is_some_and(|secs| begun.elapsed() >= secs) {
-            break Ok(());
+    let recorded = watch_found(&mut connection).and_then(|()| {
+        let recording = recording.insert(Recording::create(file, &connection)?);
+        say(format_args!(
+            "recording to {}; Ctrl-C ends it",
+            file.display()
+        ));
+        let begun = std::time::Instant::now();
+        while secs.is_none_or(|secs| begun.elapsed() < secs) {
+            if let Happened::Entry(at, entry) = connection.next()? {
+                recording.add(at, &entry)?;
+            }
         }
-        match connection.next() {
-            Ok(Happened::Entry(at, entry)) => recording.add(at, &entry)?,
-            Ok(Happened::Nothing) => {}
-            Err(Failure::Interrupted) => break Ok(()),
-            Err(failure) => break Err(failure),
-        }
+        Ok(())
+    });
+    let stopped = connection.end_with(|at, entry| match &mut recording {
+        Some(recording) => recording.add(at, entry),
+        None => Ok(()),
+    });
+    let recorded = match recorded {
+        Err(Failure::Interrupted) => Ok(()),
+        recorded => recorded,
     };
-    let stopped = connection.end_with(|at, entry| recording.add(at, entry));
-    recording.finish()?;
-    result.and(stopped)
+    let written = recording.map_or(Ok(()), Recording::finish);
+    most_serious(written.and(recorded), stopped)
 }

@@ -7,28 +7,37 @@ use motorlink_protocol::{AssignableId, MotorId};
 use crate::{
     arguments::Global,
     confirm::confirm,
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, WIRING, is_not_done, on_line},
     failure::Failure,
+    output::{print, say},
     scan::scan,
     words,
 };
 
 /// Proves that the motor is alone, asks, changes its ID, and verifies it.
 pub fn run(global: &Global, new: AssignableId, yes: bool, ender: &Ender) -> Result<(), Failure> {
-    let connection = Connection::open(global, ender)?;
-    let from = only_motor(&connection)?;
-    if from == new.id() {
-        eprintln!("The motor has ID {from} already.");
-        return connection.end();
+    on_line(
+        global,
+        ender,
+        |_| (),
+        |connection| change(connection, new, yes),
+    )
+}
+
+fn change(connection: &Connection, new: AssignableId, yes: bool) -> Result<(), Failure> {
+    let from = only_motor(connection)?;
+    let to = new.id();
+    if from == to {
+        say(format_args!("The motor has ID {from} already."));
+        return Ok(());
     }
-    eprintln!(
-        "The only motor on the bus has ID {from}. It keeps the new ID {} without power.",
-        new.id()
-    );
+    say(format_args!(
+        "The only motor on the bus has ID {from}. It keeps the new ID {to} without power."
+    ));
     if !yes {
         confirm("Change it?")?;
         // A person may have plugged in another motor meanwhile, and the proof has a minute.
-        if only_motor(&connection)? != from {
+        if only_motor(connection)? != from {
             return Err(Failure::NotDone(
                 "another motor is on the bus now".to_owned(),
             ));
@@ -36,21 +45,19 @@ pub fn run(global: &Global, new: AssignableId, yes: bool, ender: &Ender) -> Resu
     }
     let mut frames = SetIdFrames::default();
     loop {
-        let outcome = set_id(&connection, from, new, frames)?;
+        let outcome = set_id(connection, from, new, frames)?;
         match (outcome, frames.more()) {
             (IdChangeOutcome::Changed, _) => {
-                println!("Motor {from} has ID {} now, verified.", new.id());
-                return connection.end();
+                return print(format_args!("Motor {from} has ID {to} now, verified."));
             }
             // Some units want more frames in a row.
             (IdChangeOutcome::Kept { .. }, Some(more)) => {
-                eprintln!(
-                    "It kept its ID after {} frames; trying {}.",
-                    frames.count(),
-                    more.count()
-                );
+                let (sent, next) = (frames.count(), more.count());
+                say(format_args!(
+                    "It kept its ID after {sent} frames; trying {next}."
+                ));
                 frames = more;
-                only_motor(&connection)?;
+                only_motor(connection)?;
             }
             (outcome, _) => return Err(Failure::NotDone(why_not(outcome, from, new))),
         }
@@ -62,9 +69,7 @@ fn only_motor(connection: &Connection) -> Result<MotorId, Failure> {
     let report = scan(connection)?;
     match report.found.as_slice() {
         [only] if report.noisy.is_empty() && report.fault.is_none() => Ok(*only),
-        [] => Err(Failure::NotDone(
-            "no motor answers. Is the supply on? Swap A and B".to_owned(),
-        )),
+        [] => Err(Failure::NotDone(format!("no motor answers. {WIRING}"))),
         [_] => Err(Failure::NotDone(
             "the line is noisy, so no motor is proved to be alone: check the wires".to_owned(),
         )),
@@ -89,10 +94,8 @@ fn set_id(
             Happened::Entry(_, Entry::Event(Event::IdChangeEnded { outcome, .. })) => {
                 return Ok(outcome);
             }
-            Happened::Entry(_, Entry::Refused { refusal, .. }) => {
-                return Err(Failure::NotDone(format!(
-                    "the ID was not changed: {refusal}"
-                )));
+            Happened::Entry(_, entry) if is_not_done(&entry) => {
+                return Err(Failure::NotDone("the ID was not changed".to_owned()));
             }
             Happened::Entry(_, Entry::PortLost { .. }) => {
                 let text = "the port is gone: scan to see which ID the motor has";

@@ -1,6 +1,6 @@
 //! `motorlink stop`: stops motors that turn, whoever drives them.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use motorlink_bus::{Activity, Command, Event, MotorStatus};
 use motorlink_driver::{Ender, Entry};
@@ -8,8 +8,9 @@ use motorlink_protocol::MotorId;
 
 use crate::{
     arguments::Global,
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, on_line},
     failure::Failure,
+    output::print,
     scan::scan,
     words,
 };
@@ -19,40 +20,47 @@ const STOP_MAX: Duration = Duration::from_secs(5);
 
 /// Stops the motors of `--id`, or all that answer.
 pub fn run(global: &Global, ender: &Ender) -> Result<(), Failure> {
-    let connection = Connection::open(global, ender)?;
-    let mut ids: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
+    let asked: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
+    on_line(global, ender, |_| (), |connection| stop(connection, asked))
+}
+
+fn stop(connection: &Connection, mut ids: Vec<MotorId>) -> Result<(), Failure> {
     if ids.is_empty() {
-        ids = scan(&connection)?.found;
+        ids = scan(connection)?.found;
         if ids.is_empty() {
-            return Err(Failure::NotDone(
-                "no motor answers, so none can be stopped: cut the power".to_owned(),
-            ));
+            let text = "no motor answers, so none can be stopped: cut the power";
+            return Err(Failure::NotDone(text.to_owned()));
         }
     }
     for id in &ids {
         connection.driver.command(Command::Watch(*id));
         connection.driver.command(Command::Stop(*id));
     }
-    let mut confirmed = Vec::new();
-    let begun = std::time::Instant::now();
-    while begun.elapsed() < STOP_MAX {
+    let until = Instant::now() + STOP_MAX;
+    while !ids.is_empty() && Instant::now() < until {
         if let Happened::Entry(_, Entry::Event(Event::StopEnded(report))) = connection.next()? {
-            println!("{}", words::of_stop(&report));
-            let stands = report.motors.iter().filter(|motor| motor.confirmed);
-            confirmed.extend(stands.map(|motor| motor.id));
-            let stops = |motor: &MotorStatus| matches!(motor.activity, Activity::Stopping { .. });
-            if !connection.status()?.motors.iter().any(stops) {
+            print(words::of_stop(&report))?;
+            let stands = |id: &MotorId| {
+                report
+                    .motors
+                    .iter()
+                    .any(|motor| motor.id == *id && motor.confirmed)
+            };
+            ids.retain(|id| !stands(id));
+            if !connection.status()?.motors.iter().any(is_stopping) {
                 break;
             }
         }
     }
-    ids.retain(|id| !confirmed.contains(id));
-    connection.end()?;
     if ids.is_empty() {
         return Ok(());
     }
+    let ids = words::ids(ids);
     Err(Failure::NotDone(format!(
-        "not confirmed to stand: {}",
-        words::ids(ids)
+        "not confirmed to stand: {ids}. Cut their power"
     )))
+}
+
+fn is_stopping(motor: &MotorStatus) -> bool {
+    matches!(motor.activity, Activity::Stopping { .. })
 }

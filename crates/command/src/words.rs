@@ -19,7 +19,7 @@ pub fn of_entry(entry: &Entry) -> Option<String> {
             _ => format!("not done: {refusal}"),
         },
         Entry::TooLate(_) => "not done: this computer was too busy. Try again.".to_owned(),
-        Entry::NotConnected(_) => "not done: the port is lost.".to_owned(),
+        Entry::NotConnected(_) => "not done: no port is open for it.".to_owned(),
         Entry::PortLost { driven } if driven.is_empty() => {
             "the port is gone. Waiting for it.".to_owned()
         }

@@ -8,7 +8,14 @@ use crate::bench::{Bench, Said, signal};
 
 #[test]
 fn a_signal_stops_the_motor_and_confirms_it() {
-    for end in [Signal::INT, Signal::TERM, Signal::HUP] {
+    // The last two are Ctrl-Z and Ctrl-\\.
+    for end in [
+        Signal::INT,
+        Signal::TERM,
+        Signal::HUP,
+        Signal::TSTP,
+        Signal::QUIT,
+    ] {
         let mut bench = Bench::new(&[]);
         let drive = bench.drive("drive velocity 100", 90.0);
         signal(&drive, end);
@@ -51,6 +58,54 @@ fn what_a_killed_process_left_running_is_stopped_by_the_next_command() {
     assert!(bench.stands());
     let said = bench.run("--id 2 info");
     assert!(!said.err.contains("earlier"), "it is forgotten: {said:?}");
+}
+
+#[test]
+fn a_drive_after_a_killed_one_drives_what_it_names_and_for_its_whole_time() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let mut drive = bench.drive("--id 1,2 drive velocity 100", 90.0);
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    let said = bench.run("--id 1 drive velocity 50 --secs 1");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let one = said.err.lines().last().unwrap();
+    assert_eq!(one, "Motor 0x01 stands, confirmed.", "{said:?}");
+    // Several answer, and none is named.
+    let said = bench.run("drive velocity 50 --secs 1");
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(said.err.contains("use --id"), "{said:?}");
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_left_motor_that_is_silent_does_not_keep_others_from_being_used() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let mut drive = bench.drive("--id 1 drive velocity 100", 90.0);
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    bench.motors.command("mute 1 on");
+    let said = bench.run("--id 2 info");
+    assert!(said.out.contains("Motor       0x02"), "{said:?}");
+    assert!(!said.err.contains("did not run"), "{said:?}");
+    // It is not confirmed, and so not forgotten.
+    assert!(said.err.contains("motors 0x01 may turn"), "{said:?}");
+    bench.motors.command("mute 1 off");
+    let said = bench.run("--id 2 info");
+    assert!(
+        said.err.contains("Motor 0x01 stands, confirmed."),
+        "{said:?}"
+    );
+    assert!(bench.stands());
+}
+
+#[test]
+fn a_pipe_that_is_closed_ends_the_command_without_a_panic() {
+    let bench = Bench::new(&[]);
+    let mut monitor = bench.command("monitor --json").spawn().unwrap();
+    drop(monitor.stdout.take());
+    let said = Said::of(monitor.wait_with_output().unwrap());
+    assert_eq!(said.code, Some(1), "{said:?}");
+    assert!(!said.err.contains("panicked"), "{said:?}");
 }
 
 #[test]

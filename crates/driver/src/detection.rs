@@ -6,8 +6,8 @@ use motorlink_bus::{Bus, Command, DETECTION_MAX, DetectedModel, ModelSearch, Ref
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
-    host::Host, latency::ask_for_low_latency, open_failure::OpenFailure, owner::Owner,
-    serial_line::SerialLine,
+    host::Host, latency::ask_for_low_latency, left_motors::LeftMotors, open_failure::OpenFailure,
+    owner::Owner, serial_line::SerialLine,
 };
 
 /// How long motors that were left driven may take to answer before another model is tried: an ID query of 60 ms and three
@@ -21,7 +21,7 @@ impl Owner {
         ask_for_low_latency(path);
         let left = self.file.left_model();
         if let Some(model) = left {
-            self.open_for(path, model)?;
+            self.open_for(path, model, LeftMotors::Stop)?;
             let answered = |bus: &Bus, now| {
                 bus.motors(now)
                     .any(|motor| motor.last.is_some())
@@ -34,11 +34,11 @@ impl Owner {
             self.close_line();
         }
         if let Some(model) = self.asked_model {
-            return self.open_for(path, model);
+            return self.open_for(path, model, LeftMotors::Leave);
         }
         let mut search = ModelSearch::from(Model::Ddsm115);
         while let Some(model) = search.next_model() {
-            self.open_for(path, model)?;
+            self.open_for(path, model, LeftMotors::Leave)?;
             let detected = self.wait_on_trial(DETECTION_MAX, Bus::detected_model)?;
             let other = match detected {
                 Some(DetectedModel::Own) => return Ok(()),
@@ -49,17 +49,22 @@ impl Owner {
             self.close_line();
         }
         // Nothing answers. What was left driven is stopped when it does.
-        self.open_for(path, left.unwrap_or_default())
+        self.open_for(path, left.unwrap_or_default(), LeftMotors::Stop)
     }
 
     /// Opens the port on trial for this model. The first act is the stop of motors of this model that were left driven.
-    pub(crate) fn open_for(&mut self, path: &str, model: Model) -> Result<(), OpenFailure> {
+    pub(crate) fn open_for(
+        &mut self,
+        path: &str,
+        model: Model,
+        how: LeftMotors,
+    ) -> Result<(), OpenFailure> {
         self.number += 1;
         let line = SerialLine::open(path, model, self.number, self.to_self.clone());
         let line = line.map_err(|error| OpenFailure::of(path, &error))?;
         let now = self.clock.now();
         let mut bus = self.new_bus(now, model).after_another(now).on_trial();
-        if self.file.left_model() == Some(model) {
+        if how == LeftMotors::Stop && self.file.left_model() == Some(model) {
             bus.stop_first(now, self.file.take_left());
         }
         self.host = Some(Host {

@@ -26,7 +26,7 @@ pub fn default_folder() -> Option<PathBuf> {
 
 /// The file of an adapter. It is locked while it is open, so that only one driver uses the adapter.
 #[derive(Debug)]
-pub struct DrivenFile {
+pub(crate) struct DrivenFile {
     file: Option<File>,
     /// What the file has.
     written: Option<LeftBehind>,
@@ -49,7 +49,7 @@ pub(crate) enum NoFile {
 impl DrivenFile {
     /// Nothing is remembered, as for virtual motors.
     #[must_use]
-    pub const fn none() -> Self {
+    pub(crate) const fn none() -> Self {
         Self {
             file: None,
             written: None,
@@ -111,7 +111,11 @@ impl DrivenFile {
     pub(crate) fn carry(&mut self, left: LeftBehind) {
         match &mut self.carried {
             _ if left.motors.is_empty() => {}
-            Some(carried) => carried.add(left.motors),
+            Some(carried) => {
+                // The newer bus knows the line better.
+                carried.model = left.model;
+                carried.add(left.motors);
+            }
             None => self.carried = Some(left),
         }
     }

@@ -59,13 +59,19 @@ impl Driver {
         let thread = thread.spawn(run);
         let thread = thread.map_err(|error| OpenFailure::Io("driver".to_owned(), error))?;
         // It answers, or it has failed.
-        let model = opened.recv().unwrap_or(Err(OpenFailure::Lost))?;
-        Ok(Self {
-            inputs,
-            told,
-            model,
-            thread: Some(thread),
-        })
+        match opened.recv().unwrap_or(Err(OpenFailure::Lost)) {
+            Ok(model) => Ok(Self {
+                inputs,
+                told,
+                model,
+                thread: Some(thread),
+            }),
+            Err(failure) => {
+                // It closes the port. Motors that it has not stopped stay in their file.
+                let _: thread::Result<Ending> = thread.join();
+                Err(failure)
+            }
+        }
     }
 
     /// The model of the line.
@@ -130,7 +136,7 @@ impl Driver {
 
     #[cfg(test)]
     pub(crate) fn fail(&self) {
-        let _ = self.inputs.send(Input::Panic);
+        let _ = self.inputs.send(Input::Fail);
     }
 }
 

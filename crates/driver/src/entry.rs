@@ -49,3 +49,11 @@ pub struct Status {
     /// The use of the line; `None` while the port is lost.
     pub line: Option<LineStatus>,
 }
+
+impl Status {
+    /// This motor, if it is watched.
+    #[must_use]
+    pub fn motor(&self, id: MotorId) -> Option<&MotorStatus> {
+        self.motors.iter().find(|motor| motor.id == id)
+    }
+}

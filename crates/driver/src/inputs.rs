@@ -21,9 +21,9 @@ pub(crate) enum Input {
     Status(SyncSender<Status>),
     /// Stop the motors, close the port and end.
     End,
-    /// Fail, for tests.
+    /// Fail in the next turn, for tests.
     #[cfg(test)]
-    Panic,
+    Fail,
 }
 
 /// What goes to the program.

@@ -8,7 +8,7 @@
 //! - The motors are stopped when the program ends the driver, drops it, or does not take entries for a second, and when
 //!   the driver itself fails. See [`Driver::end`].
 //! - What is driven is in a file before its first frame. The next driver on that adapter stops it first, also after a
-//!   killed process: [`DrivenFile`].
+//!   killed process: [`default_folder`].
 //! - A port that is lost is opened again when it is back, and what was driven is stopped first.
 //!
 //! It is not for several programs at once: the second one gets [`OpenFailure::Busy`].
@@ -22,6 +22,7 @@ mod holder;
 mod host;
 mod inputs;
 mod latency;
+mod left_motors;
 mod line;
 mod open_failure;
 mod options;
@@ -29,7 +30,7 @@ mod owner;
 mod ports;
 mod serial_line;
 
-pub use driven_file::{DrivenFile, default_folder};
+pub use driven_file::default_folder;
 pub use driver::{Driver, Next};
 pub use entry::{Entry, Status};
 pub use holder::Holder;

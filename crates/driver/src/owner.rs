@@ -20,6 +20,7 @@ use crate::{
     host::{Host, Turned},
     inputs::{Input, Told},
     latency::run_on_time,
+    left_motors::LeftMotors,
     open_failure::OpenFailure,
     options::{Ending, Options},
     ports::{ChosenPort, Place},
@@ -78,6 +79,8 @@ pub(crate) struct Owner {
     look_at: Instant,
     /// The stop that was the last to end.
     last_stop: Option<StopReport>,
+    #[cfg(test)]
+    fails_next: bool,
 }
 
 impl Owner {
@@ -104,6 +107,8 @@ impl Owner {
             number: 0,
             look_at: Instant::ZERO,
             last_stop: None,
+            #[cfg(test)]
+            fails_next: false,
         }
     }
 
@@ -165,8 +170,9 @@ impl Owner {
             Place::OnlyAdapter => self.open_port(options, None)?,
             Place::Port(path) => self.open_port(options, Some(path))?,
         }
-        self.settle();
+        self.end_trial();
         self.finish_opening();
+        self.settle();
         let model = self.host.as_ref().map(|host| host.bus.model());
         model.ok_or(OpenFailure::Lost)
     }
@@ -215,12 +221,16 @@ impl Owner {
         self.open_serial(&path)
     }
 
-    /// Ends the trial of the port: the program may drive from now on.
-    fn settle(&mut self) {
+    /// The port is the right one: the bus may enable its motors.
+    fn end_trial(&mut self) {
         let now = self.clock.now();
         if let Some(host) = &mut self.host {
             host.bus.end_trial(now);
         }
+    }
+
+    /// The program may drive from now on.
+    fn settle(&mut self) {
         if self.stage == Stage::OnTrial {
             self.stage = Stage::Settled;
         }
@@ -250,20 +260,30 @@ impl Owner {
     /// Does everything that is due. Returns when the next turn is.
     pub(crate) fn turn(&mut self) -> Instant {
         let now = self.clock.now();
-        let Some(mut host) = self.host.take() else {
+        // The host stays in its place: after a failure in its bus, another bus stops the motors on its line.
+        let Some(host) = self.host.as_mut() else {
             return self.look_for_port(now);
         };
         let mut entries = Vec::new();
         let turned = host.turn(now, &mut self.file, |entry| entries.push(entry));
+        #[cfg(test)]
+        assert!(!std::mem::take(&mut self.fails_next), "asked for by a test");
         // The bus stops all motors by itself after a silence of the program or a sleep of the computer.
         self.is_halted |= host.bus.is_halted();
-        self.host = Some(host);
         for entry in entries {
             if let Entry::Event(Event::StopEnded(report)) = &entry {
                 if let Stage::Ending { has_stopped } = &mut self.stage {
-                    *has_stopped |= report.reason == StopReason::Disconnect;
+                    // Whatever stop it was: one that begins meanwhile joins that of the end.
+                    *has_stopped = true;
                 }
                 self.last_stop = Some(report.clone());
+            }
+            // The program waits until the port is open, and answers nothing meanwhile.
+            if entry == Entry::Event(Event::PingPage)
+                && self.stage == Stage::OnTrial
+                && let Some(host) = &mut self.host
+            {
+                host.bus.page_answered(now);
             }
             self.tell(now, entry);
         }
@@ -324,7 +344,7 @@ impl Owner {
             }
             (Input::End, _) => self.begin_end(now),
             #[cfg(test)]
-            (Input::Panic, _) => panic!("asked for by a test"),
+            (Input::Fail, _) => self.fails_next = true,
         }
     }
 
@@ -344,6 +364,15 @@ impl Owner {
                     self.tell(now, Entry::Refused { command, refusal });
                 }
             }
+            // They are done: they hold for the next port.
+            None if matches!(
+                command,
+                Command::Configure(_)
+                    | Command::Watch(_)
+                    | Command::Forget(_)
+                    | Command::StopAll(_)
+                    | Command::Release
+            ) => {}
             _ => self.tell(now, Entry::NotConnected(command.into())),
         }
     }
@@ -353,9 +382,12 @@ impl Owner {
             return;
         }
         self.stage = Stage::Ending { has_stopped: false };
-        if let Some(host) = &mut self.host
-            && host.bus.is_active(now)
-        {
+        let Some(host) = &mut self.host else { return };
+        if !host.bus.is_stopping() {
+            // What an earlier stop has shown is not the result of this end.
+            self.last_stop = None;
+        }
+        if host.bus.is_active(now) {
             let stop = Command::StopAll(StopReason::Disconnect);
             // A stop is never refused.
             let _: Result<(), Refusal> = host.bus.command(now, stop);
@@ -395,13 +427,18 @@ impl Owner {
         let Some(path) = self.port.as_ref().and_then(ChosenPort::again) else {
             return self.look_at;
         };
+        // The program may not drive on a port that is tried.
+        self.stage = Stage::OnTrial;
         let model = self.file.left_model().or(self.asked_model);
         let is_open = match model {
-            Some(model) => self.open_for(&path, model).is_ok(),
+            Some(model) => self.open_for(&path, model, LeftMotors::Stop).is_ok(),
             None => self.open_serial(&path).is_ok(),
         };
         if is_open {
-            self.settle();
+            self.end_trial();
+        }
+        self.settle();
+        if is_open {
             self.tell(now, Entry::PortBack);
             return now;
         }
@@ -427,6 +464,10 @@ impl Owner {
         self.is_halted = true;
         let now = self.clock.now();
         let Some(mut host) = self.host.take() else {
+            // No line is left. The next driver stops what the file names.
+            if let Some(left) = self.file.written() {
+                self.file.carry(left);
+            }
             return;
         };
         let nothing = LeftBehind::nothing(host.bus.model());

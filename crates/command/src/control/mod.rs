@@ -5,9 +5,9 @@ mod screen;
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{Activity, Command, Consent, GroupSetpoints, StopReason};
+use motorlink_bus::{Activity, Command, Consent, GroupError, StopReason};
 use motorlink_driver::{Ender, Next, Status};
-use motorlink_protocol::{Acceleration, MotorId, Setpoint, SpeedTarget};
+use motorlink_protocol::{Acceleration, Setpoint, SpeedTarget};
 use ratatui::{
     DefaultTerminal,
     crossterm::event::{self, Event, KeyEventKind},
@@ -15,8 +15,9 @@ use ratatui::{
 
 use crate::{
     arguments::{Global, SignedId},
-    connection::Connection,
+    connection::{Connection, on_line},
     failure::Failure,
+    starting,
     watching::watch_found,
     words,
 };
@@ -41,36 +42,41 @@ pub struct How {
 
 /// Drives by keys until Q or Ctrl-C.
 pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
-    let mut connection = Connection::open(global, ender)?;
-    watch_found(&mut connection)?;
-    let model = connection.driver.model();
-    let screen = Screen::new(connection.motors.clone(), model, how.latches);
-    // It also restores the terminal before a panic is printed.
-    let terminal = ratatui::try_init().map_err(|error| {
-        Failure::Usage(format!(
-            "control needs a terminal ({error}); use drive in scripts"
-        ))
-    })?;
-    let mut control = Control {
-        connection,
-        screen,
-        how,
-        held: Held::default(),
-    };
-    let done = control.run(terminal);
-    ratatui::restore();
-    let stopped = control.connection.end();
-    done.and(stopped)
+    on_line(
+        global,
+        ender,
+        |_| (),
+        |connection| {
+            watch_found(connection)?;
+            let model = connection.driver.model();
+            let screen = Screen::new(connection.motors.clone(), model, how.latches);
+            // It also restores the terminal before a panic is printed.
+            let terminal = ratatui::try_init().map_err(|error| {
+                Failure::Usage(format!(
+                    "control needs a terminal ({error}); use drive in scripts"
+                ))
+            })?;
+            let mut control = Control {
+                connection,
+                screen,
+                how,
+                held: Held::default(),
+            };
+            let done = control.run(terminal);
+            ratatui::restore();
+            done
+        },
+    )
 }
 
-struct Control {
-    connection: Connection,
+struct Control<'a> {
+    connection: &'a Connection,
     screen: Screen,
     how: How,
     held: Held,
 }
 
-impl Control {
+impl Control<'_> {
     fn run(&mut self, mut terminal: DefaultTerminal) -> Result<(), Failure> {
         let mut draw_at = Instant::now();
         loop {
@@ -153,7 +159,7 @@ impl Control {
     }
 
     fn obey(&mut self, asked: Asked) {
-        let command = &self.connection.driver;
+        let driver = &self.connection.driver;
         match asked {
             Asked::Drive(rpm) => self.start(self.velocity(rpm)),
             Asked::Nudge(by) => {
@@ -163,8 +169,8 @@ impl Control {
             }
             Asked::Brake => self.start(Setpoint::Brake),
             Asked::Stop => self.stop(),
-            Asked::StopAll => command.command(Command::StopAll(StopReason::Operator)),
-            Asked::Release => command.command(Command::Release),
+            Asked::StopAll => driver.command(Command::StopAll(StopReason::Operator)),
+            Asked::Release => driver.command(Command::Release),
             Asked::Select(by) => {
                 // Nothing stays driven that is not selected any more.
                 self.stop();
@@ -192,7 +198,7 @@ impl Control {
     fn driven_at(&self) -> Option<i32> {
         let status: Status = self.connection.status().ok()?;
         let signed = self.selected().next()?;
-        let motor = status.motors.iter().find(|motor| motor.id == signed.id)?;
+        let motor = status.motor(signed.id)?;
         match signed.mirror.activity(motor.activity) {
             Activity::Driven {
                 setpoint: Setpoint::Velocity { speed, .. },
@@ -208,43 +214,21 @@ impl Control {
         }
     }
 
-    /// The selected motors with this setpoint, each with the sign of its side.
-    fn entries(&self, setpoint: Setpoint) -> Vec<(MotorId, Setpoint)> {
-        let of = |motor: SignedId| (motor.id, motor.mirror.setpoint(setpoint));
-        self.selected().map(of).collect()
+    fn start(&mut self, setpoint: Setpoint) {
+        let command = starting::start(self.selected(), setpoint, Consent::None);
+        self.give(command);
     }
 
-    fn start(&self, setpoint: Setpoint) {
-        let consent = Consent::None;
-        let command = match self.entries(setpoint).as_slice() {
-            [(id, setpoint)] => Command::Start {
-                id: *id,
-                setpoint: *setpoint,
-                consent,
-            },
-            entries => match GroupSetpoints::new(entries) {
-                Ok(setpoints) => Command::StartGroup { setpoints, consent },
-                Err(_) => return,
-            },
-        };
-        self.connection.driver.command(command);
+    fn adjust(&mut self, setpoint: Setpoint) {
+        let command = starting::adjust(self.selected(), setpoint);
+        self.give(command);
     }
 
-    /// Changes the setpoint of what is driven. It starts nothing.
-    fn adjust(&self, setpoint: Setpoint) {
-        let consent = Consent::None;
-        let command = match self.entries(setpoint).as_slice() {
-            [(id, setpoint)] => Command::Adjust {
-                id: *id,
-                setpoint: *setpoint,
-                consent,
-            },
-            entries => match GroupSetpoints::new(entries) {
-                Ok(setpoints) => Command::AdjustGroup { setpoints, consent },
-                Err(_) => return,
-            },
-        };
-        self.connection.driver.command(command);
+    fn give(&mut self, command: Result<Command, GroupError>) {
+        match command {
+            Ok(command) => self.connection.driver.command(command),
+            Err(error) => self.screen.notice(format!("not done: {error}")),
+        }
     }
 
     fn stop(&self) {
