@@ -25,7 +25,7 @@ pub struct Options {
     pub watch: Vec<MotorId>,
     /// Rate, ramp and limits.
     pub settings: BusSettings,
-    /// The folder of [`DrivenFile`](crate::DrivenFile); `None` remembers nothing.
+    /// The folder of the files that say what is driven; `None` remembers nothing.
     pub state_folder: Option<PathBuf>,
     /// Whether each frame and each reading is told, as a recording needs them. Otherwise the program wakes up less often,
     /// and asks for the state when it shows it.
