@@ -119,8 +119,10 @@ fn usage(error: &clap::Error) -> ExitCode {
         }
         _ => {
             let text = error.to_string();
-            let first = text.lines().next().unwrap_or_default();
-            let said = first.strip_prefix("error: ").unwrap_or(first);
+            // Behind the first paragraph are a usage text and tips.
+            let first = text.split("\n\n").next().unwrap_or_default();
+            let words = first.split_whitespace().collect::<Vec<_>>().join(" ");
+            let said = words.strip_prefix("error: ").unwrap_or(&words);
             say(format_args!("motorlink: {said}; see --help"));
             ExitCode::from(2)
         }

@@ -21,7 +21,7 @@ use motorlink_experiments::{
     sequence::{Sequence, Template},
 };
 use motorlink_protocol::MotorId;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, Signal, kill_process, setpriority_process};
 
 /// A busy machine is slow, and a program has its run to do.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -66,6 +66,8 @@ impl Running {
     fn start(mut command: Command, consent: &str) -> Self {
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().unwrap();
+        // The browsers and tests beside it must not make it late; the virtual motors are as prompt. Only the superuser may.
+        let _ = setpriority_process(Some(Pid::from_child(&child)), -10);
         let (sender, lines) = channel();
         let out = BufReader::new(child.stdout.take().unwrap());
         thread::spawn(move || {

@@ -148,10 +148,10 @@ async fn a_recording_is_shown_on_the_instruments_and_says_that_it_is_one() {
     let root = document().document_element().unwrap();
     let style = root.get_attribute("style").unwrap();
     assert!(style.contains("\"run <b>.mcap\""), "{style}");
-    let titled = || document().title() == "Recording: run <b>.mcap - MotorLink";
+    let titled = || document().title() == "Replay: run <b>.mcap - MotorLink";
     bench.until("the title", titled).await;
     let bar = bench.text("region", "Replay");
-    assert!(bar.contains("Recording run <b>.mcap"), "{bar}");
+    assert!(bar.contains("Replay run <b>.mcap"), "{bar}");
     assert_eq!(bench.text("status", "Place"), "0:02.000 / 1:05.250");
     let chip = bench.text("region", "Wheel");
     assert!(chip.contains("Target +120"), "{chip}");
