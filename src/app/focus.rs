@@ -11,7 +11,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 
 use crate::{
-    app::keyboard::last_target,
+    app::keyboard::{has_focus, last_target},
     model::page::Page,
     ui::{listener::on_window, reactive::effect},
 };
@@ -94,6 +94,7 @@ impl Held {
     }
 
     fn entered(&mut self, target: Element) {
+        has_focus(target.clone());
         let opened = target.closest(OPENED).ok().flatten();
         let before = self.path.first();
         if let Some(opened) = &opened
@@ -147,17 +148,12 @@ fn pass_on_if_dropped(held: &RefCell<Held>) {
     if !is_focus_dropped() {
         return;
     }
-    if held.borrow().by_pointer {
+    // Tab behind the last control leaves the page.
+    if held.borrow().by_pointer || last_target().is_none() {
         // It stays given away when a key is pressed next.
         held.borrow_mut().path.clear();
     }
-    let is_gone = |element: &Element| {
-        !element.is_connected()
-            || element.matches(":disabled").unwrap_or(false)
-            || element.get_bounding_client_rect().width() == 0.0
-    };
-    // A control that is still there was left by Tab: the focus may leave the page behind its last control.
-    if !held.borrow().path.first().is_some_and(is_gone) {
+    if held.borrow().path.is_empty() {
         return;
     }
     let next: Vec<Element> = held.borrow().next().collect();

@@ -23,13 +23,19 @@ use crate::{
 };
 
 thread_local! {
-    /// The element that had the focus when a key was last pressed.
+    /// The element that had the focus when a key was last pressed, or has got it since. `None` behind Tab, until a control
+    /// gets the focus.
     static LAST_TARGET: RefCell<Option<Element>> = const { RefCell::new(None) };
 }
 
-/// What had the focus when a key was last pressed.
+/// What had the focus when a key was last pressed, or has got it since. `None` behind Tab, until a control gets the focus.
 pub(crate) fn last_target() -> Option<Element> {
     LAST_TARGET.with_borrow(Clone::clone)
+}
+
+/// A control has got the focus.
+pub(crate) fn has_focus(target: Element) {
+    LAST_TARGET.set(Some(target));
 }
 
 /// Listens to the keyboard from now on.
@@ -57,10 +63,10 @@ pub(crate) fn listen(features: Features) {
 
 fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
     let goes_down = event.type_() == "keydown";
-    if goes_down {
-        LAST_TARGET.set(document().active_element());
-    }
     let key = event.key();
+    if goes_down {
+        LAST_TARGET.set(document().active_element().filter(|_| key != "Tab"));
+    }
     if let Some(key) = StopKey::of(&key) {
         let scene = Scene {
             focus: focus(),

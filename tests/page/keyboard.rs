@@ -161,9 +161,9 @@ async fn what_was_refused_because_of_a_stop_is_withdrawn_by_release() {
 async fn a_control_that_is_left_does_not_get_the_focus_back_and_one_that_is_hidden_passes_it_on() {
     let bench = Bench::with_motor("focus-left", Mode::Velocity).await;
     let focused = || document().active_element().unwrap().tag_name();
-    dispatch_key("keydown", "Tab", false);
     let pause_button = bench.find("button", "Pause");
     pause_button.focus().unwrap();
+    dispatch_key("keydown", "Tab", false);
     pause_button.blur().unwrap();
     pause(100).await;
     assert_eq!(focused(), "BODY");
