@@ -1,12 +1,17 @@
 //! The command line.
 
-use std::{fmt, path::PathBuf, str::FromStr, time::Duration};
+use std::{path::PathBuf, time::Duration};
 
 #[cfg(unix)]
 use crate::virtual_motors::VirtualMotors;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use motorlink_bus::{CommandRate, Mirror, Ramp};
-use motorlink_protocol::{AssignableId, Frame, MotorId, family::Model};
+use motorlink_bus::{CommandRate, Ramp};
+use motorlink_protocol::{AssignableId, Frame, family::Model};
+
+use crate::{
+    parsers::{assignable, frame, hertz, ramp, rate, seconds},
+    signed_id::SignedId,
+};
 
 /// Drives hub motors DDSM115 (M0601), DDSM315, DDSM210 and DDSM400 on a serial port, and shows what they do.
 ///
@@ -301,119 +306,9 @@ pub enum Format {
     Mcap,
 }
 
-/// A motor, and whether its wheel is mounted the other way round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SignedId {
-    pub id: MotorId,
-    pub mirror: Mirror,
-}
-
-impl SignedId {
-    /// A motor that is not mirrored.
-    pub const fn straight(id: MotorId) -> Self {
-        Self {
-            id,
-            mirror: Mirror::Straight,
-        }
-    }
-}
-
-impl FromStr for SignedId {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let text = text.trim();
-        let (digits, mirror) = match text.strip_prefix('-') {
-            Some(digits) => (digits, Mirror::Mirrored),
-            None => (text, Mirror::Straight),
-        };
-        let id = digits.parse().map_err(|error| format!("{error}"))?;
-        Ok(Self { id, mirror })
-    }
-}
-
-/// `0x02`, or `-0x02` if mirrored.
-impl fmt::Display for SignedId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = if self.mirror.is_mirrored() { "-" } else { "" };
-        write!(f, "{sign}{}", self.id)
-    }
-}
-
-fn assignable(text: &str) -> Result<AssignableId, String> {
-    let id: MotorId = text.trim().parse().map_err(|error| format!("{error}"))?;
-    AssignableId::new(id).map_err(|error| error.to_string())
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    const MAX: f64 = 86_400.0;
-    let seconds = text.trim().parse::<f64>().ok();
-    // Not a number compares false.
-    let seconds = seconds.filter(|seconds| (0.0..=MAX).contains(seconds));
-    let seconds = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "expected seconds, 0 to 86400".to_owned())
-}
-
-fn hertz(text: &str) -> Result<f64, String> {
-    let hertz = text.trim().parse::<f64>().ok();
-    let hertz = hertz.filter(|hertz| (0.001..=1000.0).contains(hertz));
-    hertz.ok_or_else(|| "expected 0.001 to 1000 a second".to_owned())
-}
-
-fn rate(text: &str) -> Result<CommandRate, String> {
-    let rate = text.trim().parse().ok().map(CommandRate::new);
-    rate.and_then(Result::ok)
-        .ok_or_else(|| "expected 1 to 500 a second".to_owned())
-}
-
-fn ramp(text: &str) -> Result<Ramp, String> {
-    let ramp = text.trim().parse().ok().map(Ramp::new);
-    ramp.and_then(Result::ok)
-        .ok_or_else(|| "expected 1 to 10000 rpm a second".to_owned())
-}
-
-/// Ten bytes, or nine to which the CRC is added. Commas and `0x` are allowed.
-fn frame(text: &str) -> Result<Frame, String> {
-    let words = text.split(|letter: char| letter == ',' || letter.is_whitespace());
-    let words = words.filter(|word| !word.is_empty());
-    let bytes = words.map(|word| {
-        let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X"));
-        let byte = u8::from_str_radix(digits.unwrap_or(word), 16);
-        byte.map_err(|_| format!("`{word}` is not a byte in hex"))
-    });
-    let bytes = bytes.collect::<Result<Vec<u8>, _>>()?;
-    if let Ok(bytes) = <[u8; 10]>::try_from(bytes.as_slice()) {
-        return Ok(Frame::new(bytes));
-    }
-    let bytes = <[u8; 9]>::try_from(bytes.as_slice());
-    let bytes = bytes.map_err(|_| "expected ten bytes, or nine without the CRC".to_owned())?;
-    Ok(Frame::with_crc(bytes))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_frame_of_nine_bytes_gets_its_crc_and_one_of_ten_stays() {
-        let query = "01 74 00 00 00 00 00 00 00 04";
-        assert_eq!(
-            frame("0x01,0x74, 00 00 00 00 00 00 00").unwrap(),
-            query.parse().unwrap()
-        );
-        let wrong_crc = frame("01 74 00 00 00 00 00 00 00 FF").unwrap();
-        assert_eq!(wrong_crc.bytes()[9], 0xFF);
-        assert!(frame("01 74").is_err());
-        assert!(frame("").is_err());
-    }
-
-    #[test]
-    fn an_id_with_a_minus_is_mirrored() {
-        let parsed: SignedId = "-0x02".parse().unwrap();
-        assert_eq!((parsed.id.get(), parsed.mirror), (2, Mirror::Mirrored));
-        assert!("0".parse::<SignedId>().is_err());
-        assert!("--2".parse::<SignedId>().is_err());
-    }
 
     #[test]
     fn every_command_line_is_consistent() {

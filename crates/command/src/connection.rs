@@ -6,12 +6,7 @@ use motorlink_bus::{Command, Event, IdQueryOutcome};
 use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
 use motorlink_protocol::MotorId;
 
-use crate::{
-    arguments::{Global, SignedId},
-    failure::Failure,
-    output::say,
-    words,
-};
+use crate::{arguments::Global, failure::Failure, output::say, signed_id::SignedId, words};
 
 /// How long to wait for an entry before looking at the clock again.
 const STEP: Duration = Duration::from_millis(20);

@@ -12,10 +12,11 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    arguments::{Drive, Global, How, SignedId},
+    arguments::{Drive, Global, How},
     connection::{Connection, Happened, is_not_done, most_serious},
     failure::Failure,
     recording::Recording,
+    signed_id::SignedId,
     starting,
     values::Values,
 };

@@ -6,10 +6,11 @@ use motorlink_protocol::{Fault, Instant, family::Model};
 use serde_json::{Value, json};
 
 use crate::{
-    arguments::{Global, SignedId},
+    arguments::Global,
     connection::on_line,
     failure::Failure,
     output::print,
+    signed_id::SignedId,
     values::{Values, or_dash},
 };
 

@@ -9,6 +9,7 @@ mod failure;
 mod info;
 mod monitor;
 mod output;
+mod parsers;
 mod ports;
 mod raw;
 mod recording;
@@ -17,6 +18,7 @@ mod session;
 mod set_id;
 #[cfg(unix)]
 mod signals;
+mod signed_id;
 mod starting;
 mod stop;
 mod values;

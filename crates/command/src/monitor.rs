@@ -177,7 +177,7 @@ fn write(event: &LineEvent, output: &mut Output, is_taken: bool) -> Result<(), F
 fn lines(connection: &Connection) -> Result<Vec<String>, Failure> {
     let status = connection.status()?;
     let model = connection.driver.model();
-    let of = |signed: &crate::arguments::SignedId| {
+    let of = |signed: &crate::signed_id::SignedId| {
         let motor = status.motor(signed.id)?;
         Some(Values::of(model, motor, status.now, *signed).line())
     };

@@ -3,7 +3,7 @@
 use motorlink_bus::{Command, Consent, GroupError, GroupSetpoints};
 use motorlink_protocol::{MotorId, Setpoint};
 
-use crate::arguments::SignedId;
+use crate::signed_id::SignedId;
 
 /// Starts these motors, each with the sign of its side: one alone, or several together.
 ///

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use motorlink_bus::{Activity, FRESH_FOR, Mirror, MotorStatus};
 use motorlink_protocol::{Current, Faults, Instant, family::Model};
 
-use crate::arguments::SignedId;
+use crate::signed_id::SignedId;
 
 /// What a motor reports, with the sign of its side. A value that no fresh reply has is absent.
 pub struct Values {

@@ -3,10 +3,10 @@
 use motorlink_bus::Command;
 
 use crate::{
-    arguments::SignedId,
     connection::{Connection, WIRING},
     failure::Failure,
     scan::scan,
+    signed_id::SignedId,
 };
 
 /// Watches the motors of `--id`, or else all that answer: the one that answers the ID query, or those of a full scan.

@@ -25,6 +25,7 @@ mod latency;
 mod left_motors;
 mod line;
 mod open_failure;
+mod opening;
 mod options;
 mod owner;
 mod ports;

@@ -10,28 +10,19 @@ use std::{
 use motorlink_bus::{BusSettings, Command, Event, Refusal, StopReason, StopReport};
 use motorlink_messages::LeftBehind;
 use motorlink_protocol::{Instant, MotorId, family::Model};
-use motorlink_simulator::World;
 
 use crate::{
     clock::Clock,
-    driven_file::{DrivenFile, NoFile},
+    driven_file::DrivenFile,
     entry::{Entry, Status},
-    holder::holder_of,
     host::{Host, Turned},
     inputs::{Input, Told},
     latency::run_on_time,
-    left_motors::LeftMotors,
     open_failure::OpenFailure,
     options::{Ending, Options},
-    ports::{ChosenPort, Place},
+    ports::ChosenPort,
 };
 
-/// Pause between two tries to open a lost port. Linux sets its permissions a moment after it is there.
-const REOPEN_PAUSE: Duration = Duration::from_millis(100);
-/// How long the opening may take once the port is open: a little more than a stop.
-const OPENING_MAX: Duration = Duration::from_secs(4);
-/// How long motors may take for their first reply before the port counts as open: three queries at 10 Hz.
-const FIRST_REPLY_MAX: Duration = Duration::from_millis(300);
 /// How long the thread sleeps at most: it has nothing to do while the port is lost but to look for it.
 const SLEEP_MAX: Duration = Duration::from_millis(500);
 
@@ -71,12 +62,12 @@ pub(crate) struct Owner {
     /// The open line; `None` while the port is lost.
     pub(crate) host: Option<Host>,
     /// The serial port; `None` for virtual motors.
-    port: Option<ChosenPort>,
+    pub(crate) port: Option<ChosenPort>,
     pub(crate) stage: Stage,
     /// The number of the open port. Bytes of an earlier one are not for this bus.
     pub(crate) number: u32,
     /// When a lost port is looked for next.
-    look_at: Instant,
+    pub(crate) look_at: Instant,
     /// The stop that was the last to end.
     last_stop: Option<StopReport>,
     #[cfg(test)]
@@ -152,90 +143,6 @@ impl Owner {
         }
     }
 
-    fn open(&mut self, options: &Options) -> Result<Model, OpenFailure> {
-        match &options.place {
-            Place::Virtual(virtual_line) => {
-                let now = self.clock.now();
-                let motors = &virtual_line.world.motors;
-                self.watched.extend(motors.iter().map(|motor| motor.id));
-                let bus = self.new_bus(now, virtual_line.model());
-                let line = Box::new(World::new(virtual_line.world.clone()));
-                let has_queried = !self.asks_for_id();
-                self.host = Some(Host {
-                    bus,
-                    line,
-                    has_queried,
-                });
-            }
-            Place::OnlyAdapter => self.open_port(options, None)?,
-            Place::Port(path) => self.open_port(options, Some(path))?,
-        }
-        self.end_trial();
-        self.finish_opening();
-        self.settle();
-        let model = self.host.as_ref().map(|host| host.bus.model());
-        model.ok_or(OpenFailure::Lost)
-    }
-
-    /// Waits until the ID query has ended, and the stop of what was left driven: the bus refuses other commands meanwhile.
-    /// Then it waits a little for the first reply of each motor: before it, the bus starts none.
-    fn finish_opening(&mut self) {
-        let begun = self.clock.now();
-        let mut free_since = None;
-        while !self.stage.is_ending() {
-            let wake = self.turn();
-            let now = self.clock.now();
-            let Some(host) = &self.host else { return };
-            if host.has_queried && !host.bus.is_stopping() {
-                let waited = now.since(*free_since.get_or_insert(now));
-                let answered = host.bus.motors(now).all(|motor| motor.last.is_some());
-                if (answered && host.bus.model_known()) || waited >= FIRST_REPLY_MAX {
-                    return;
-                }
-            }
-            if now.since(begun) >= OPENING_MAX {
-                return;
-            }
-            self.take_inputs(wake);
-        }
-    }
-
-    fn open_port(&mut self, options: &Options, path: Option<&str>) -> Result<(), OpenFailure> {
-        let port = ChosenPort::find(path)?;
-        let path = port.path.clone();
-        // The superuser may open a port that another program has open.
-        if let Some(holder) = holder_of(&path) {
-            let holder = Some(holder);
-            return Err(OpenFailure::Busy { path, holder });
-        }
-        let folder = options.state_folder.as_deref();
-        match folder.map(|folder| DrivenFile::open(folder, &port.identity())) {
-            Some(Ok(file)) => self.file = file,
-            Some(Err(NoFile::InUse)) => return Err(OpenFailure::Busy { path, holder: None }),
-            Some(Err(NoFile::Refused)) | None => {
-                let now = self.clock.now();
-                self.tell(now, Entry::NotRemembered);
-            }
-        }
-        self.port = Some(port);
-        self.open_serial(&path)
-    }
-
-    /// The port is the right one: the bus may enable its motors.
-    fn end_trial(&mut self) {
-        let now = self.clock.now();
-        if let Some(host) = &mut self.host {
-            host.bus.end_trial(now);
-        }
-    }
-
-    /// The program may drive from now on.
-    fn settle(&mut self) {
-        if self.stage == Stage::OnTrial {
-            self.stage = Stage::Settled;
-        }
-    }
-
     /// Runs the open port until the program ends it.
     fn run_open(&mut self) {
         loop {
@@ -296,7 +203,7 @@ impl Owner {
         }
     }
 
-    fn tell(&mut self, now: Instant, entry: Entry) {
+    pub(crate) fn tell(&mut self, now: Instant, entry: Entry) {
         let told = match entry {
             Entry::Event(Event::PingPage) => Told::Ping,
             Entry::Event(Event::Line(_) | Event::Telemetry(_)) if !self.tells_traffic => return,
@@ -392,57 +299,6 @@ impl Owner {
             // A stop is never refused.
             let _: Result<(), Refusal> = host.bus.command(now, stop);
         }
-    }
-
-    /// Closes the line, and remembers what is left driven on it.
-    pub(crate) fn close_line(&mut self) {
-        let now = self.clock.now();
-        if let Some(host) = self.host.take() {
-            let (last, left) = host.close(now);
-            self.file.carry(left);
-            for event in last {
-                self.tell(now, Entry::Event(event));
-            }
-        }
-    }
-
-    fn lose_port(&mut self) {
-        let now = self.clock.now();
-        let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
-            host.bus.left_driven().map(|motor| motor.id).collect()
-        });
-        self.close_line();
-        self.look_at = now;
-        if self.stage != Stage::OnTrial {
-            self.tell(now, Entry::PortLost { driven });
-        }
-    }
-
-    /// Opens a lost port again if it is back.
-    fn look_for_port(&mut self, now: Instant) -> Instant {
-        if now < self.look_at || self.stage != Stage::Settled {
-            return self.look_at.max(now);
-        }
-        self.look_at = now + REOPEN_PAUSE;
-        let Some(path) = self.port.as_ref().and_then(ChosenPort::again) else {
-            return self.look_at;
-        };
-        // The program may not drive on a port that is tried.
-        self.stage = Stage::OnTrial;
-        let model = self.file.left_model().or(self.asked_model);
-        let is_open = match model {
-            Some(model) => self.open_for(&path, model, LeftMotors::Stop).is_ok(),
-            None => self.open_serial(&path).is_ok(),
-        };
-        if is_open {
-            self.end_trial();
-        }
-        self.settle();
-        if is_open {
-            self.tell(now, Entry::PortBack);
-            return now;
-        }
-        self.look_at
     }
 
     fn status(&self, now: Instant) -> Status {

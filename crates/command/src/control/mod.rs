@@ -14,9 +14,10 @@ use ratatui::{
 };
 
 use crate::{
-    arguments::{Global, SignedId},
+    arguments::Global,
     connection::{Connection, on_line},
     failure::Failure,
+    signed_id::SignedId,
     starting,
     watching::watch_found,
     words,

@@ -13,7 +13,7 @@ use ratatui::{
     widgets::{Block, Paragraph, Sparkline},
 };
 
-use crate::{arguments::SignedId, values::Values};
+use crate::{signed_id::SignedId, values::Values};
 
 /// Speeds of a sparkline: ten seconds at ten drawings a second.
 const SPEEDS: usize = 100;

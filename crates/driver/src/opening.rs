@@ -1,0 +1,162 @@
+//! Opens the line, and opens it again after a loss.
+
+use std::time::Duration;
+
+use motorlink_protocol::{Instant, family::Model};
+use motorlink_simulator::World;
+
+use crate::{
+    driven_file::{DrivenFile, NoFile},
+    entry::Entry,
+    holder::holder_of,
+    host::Host,
+    left_motors::LeftMotors,
+    open_failure::OpenFailure,
+    options::Options,
+    owner::{Owner, Stage},
+    ports::{ChosenPort, Place},
+};
+
+/// How long motors may take for their first reply before the port counts as open: three queries at 10 Hz.
+const FIRST_REPLY_MAX: Duration = Duration::from_millis(300);
+/// How long the opening may take once the port is open: a little more than a stop.
+const OPENING_MAX: Duration = Duration::from_secs(4);
+/// Pause between two tries to open a lost port. Linux sets its permissions a moment after it is there.
+const REOPEN_PAUSE: Duration = Duration::from_millis(100);
+
+impl Owner {
+    pub(crate) fn open(&mut self, options: &Options) -> Result<Model, OpenFailure> {
+        match &options.place {
+            Place::Virtual(virtual_line) => {
+                let now = self.clock.now();
+                let motors = &virtual_line.world.motors;
+                self.watched.extend(motors.iter().map(|motor| motor.id));
+                let bus = self.new_bus(now, virtual_line.model());
+                let line = Box::new(World::new(virtual_line.world.clone()));
+                let has_queried = !self.asks_for_id();
+                self.host = Some(Host {
+                    bus,
+                    line,
+                    has_queried,
+                });
+            }
+            Place::OnlyAdapter => self.open_port(options, None)?,
+            Place::Port(path) => self.open_port(options, Some(path))?,
+        }
+        self.end_trial();
+        self.finish_opening();
+        self.settle();
+        let model = self.host.as_ref().map(|host| host.bus.model());
+        model.ok_or(OpenFailure::Lost)
+    }
+
+    /// Waits until the ID query has ended, and the stop of what was left driven: the bus refuses other commands meanwhile.
+    /// Then it waits a little for the first reply of each motor: before it, the bus starts none.
+    fn finish_opening(&mut self) {
+        let begun = self.clock.now();
+        let mut free_since = None;
+        while !self.stage.is_ending() {
+            let wake = self.turn();
+            let now = self.clock.now();
+            let Some(host) = &self.host else { return };
+            if host.has_queried && !host.bus.is_stopping() {
+                let waited = now.since(*free_since.get_or_insert(now));
+                let answered = host.bus.motors(now).all(|motor| motor.last.is_some());
+                if (answered && host.bus.model_known()) || waited >= FIRST_REPLY_MAX {
+                    return;
+                }
+            }
+            if now.since(begun) >= OPENING_MAX {
+                return;
+            }
+            self.take_inputs(wake);
+        }
+    }
+
+    fn open_port(&mut self, options: &Options, path: Option<&str>) -> Result<(), OpenFailure> {
+        let port = ChosenPort::find(path)?;
+        let path = port.path.clone();
+        // The superuser may open a port that another program has open.
+        if let Some(holder) = holder_of(&path) {
+            let holder = Some(holder);
+            return Err(OpenFailure::Busy { path, holder });
+        }
+        let folder = options.state_folder.as_deref();
+        match folder.map(|folder| DrivenFile::open(folder, &port.identity())) {
+            Some(Ok(file)) => self.file = file,
+            Some(Err(NoFile::InUse)) => return Err(OpenFailure::Busy { path, holder: None }),
+            Some(Err(NoFile::Refused)) | None => {
+                let now = self.clock.now();
+                self.tell(now, Entry::NotRemembered);
+            }
+        }
+        self.port = Some(port);
+        self.open_serial(&path)
+    }
+
+    /// The port is the right one: the bus may enable its motors.
+    pub(crate) fn end_trial(&mut self) {
+        let now = self.clock.now();
+        if let Some(host) = &mut self.host {
+            host.bus.end_trial(now);
+        }
+    }
+
+    /// The program may drive from now on.
+    pub(crate) fn settle(&mut self) {
+        if self.stage == Stage::OnTrial {
+            self.stage = Stage::Settled;
+        }
+    }
+
+    /// Closes the line, and remembers what is left driven on it.
+    pub(crate) fn close_line(&mut self) {
+        let now = self.clock.now();
+        if let Some(host) = self.host.take() {
+            let (last, left) = host.close(now);
+            self.file.carry(left);
+            for event in last {
+                self.tell(now, Entry::Event(event));
+            }
+        }
+    }
+
+    pub(crate) fn lose_port(&mut self) {
+        let now = self.clock.now();
+        let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
+            host.bus.left_driven().map(|motor| motor.id).collect()
+        });
+        self.close_line();
+        self.look_at = now;
+        if self.stage != Stage::OnTrial {
+            self.tell(now, Entry::PortLost { driven });
+        }
+    }
+
+    /// Opens a lost port again if it is back.
+    pub(crate) fn look_for_port(&mut self, now: Instant) -> Instant {
+        if now < self.look_at || self.stage != Stage::Settled {
+            return self.look_at.max(now);
+        }
+        self.look_at = now + REOPEN_PAUSE;
+        let Some(path) = self.port.as_ref().and_then(ChosenPort::again) else {
+            return self.look_at;
+        };
+        // The program may not drive on a port that is tried.
+        self.stage = Stage::OnTrial;
+        let model = self.file.left_model().or(self.asked_model);
+        let is_open = match model {
+            Some(model) => self.open_for(&path, model, LeftMotors::Stop).is_ok(),
+            None => self.open_serial(&path).is_ok(),
+        };
+        if is_open {
+            self.end_trial();
+        }
+        self.settle();
+        if is_open {
+            self.tell(now, Entry::PortBack);
+            return now;
+        }
+        self.look_at
+    }
+}
