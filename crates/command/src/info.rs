@@ -2,7 +2,7 @@
 
 use motorlink_bus::MotorStatus;
 use motorlink_driver::Ender;
-use motorlink_protocol::{Fault, Instant, family::Model};
+use motorlink_protocol::{Celsius, Fault, Instant, family::Model};
 use serde_json::{Value, json};
 
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
     failure::Failure,
     output::print,
     signed_id::SignedId,
-    values::{Values, or_dash},
+    values::{Values, fresh_temperature, or_dash},
 };
 
 /// Prints what the motors report.
@@ -87,7 +87,7 @@ fn to_json(model: Model, motor: &MotorStatus, now: Instant, signed: SignedId) ->
         "model": model.spec().key,
         "mode": values.mode,
         "speed_rpm": values.speed_rpm,
-        "temperature_c": motor.temperature.map(|(_, celsius)| celsius.degrees()),
+        "temperature_c": fresh_temperature(motor, now).map(Celsius::degrees),
         "fault_code": reply.map(|reply| reply.faults.byte()),
         "faults": reply.map(|reply| reply.faults.iter().map(Fault::name).collect::<Vec<_>>()),
         "round_trip_us": motor.link.round_trip_us,

@@ -1,4 +1,4 @@
-//! `motorlink stop`: stops motors that turn, whoever drives them.
+//! `motorlink stop`: stops motors, also those that another program has left turning.
 
 use std::time::{Duration, Instant};
 

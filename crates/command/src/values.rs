@@ -1,11 +1,14 @@
 //! The values of a motor as text.
 
-use std::fmt::Display;
+use std::{fmt::Display, time::Duration};
 
 use motorlink_bus::{Activity, FRESH_FOR, Mirror, MotorStatus};
-use motorlink_protocol::{Current, Faults, Instant, family::Model};
+use motorlink_protocol::{Celsius, Current, Faults, Instant, family::Model};
 
 use crate::signed_id::SignedId;
+
+/// The bus stops a motor whose temperature it has not known for so long.
+const TEMPERATURE_FRESH_FOR: Duration = Duration::from_secs(2);
 
 /// What a motor reports, with the sign of its side. A value that no fresh reply has is absent.
 pub struct Values {
@@ -44,8 +47,7 @@ impl Values {
             speed_rpm: speed.map(|(_, speed)| id.mirror.speed(speed).rpm()),
             current: current.map(|(_, current)| amps(current)),
             angle: fine.map(|(_, angle)| angle.to_string()).or(coarse),
-            // Asked less often than the speed while a motor is driven, and it changes slowly.
-            temperature: motor.temperature.map(|(_, celsius)| celsius.to_string()),
+            temperature: fresh_temperature(motor, now).map(|celsius| celsius.to_string()),
             faults: last.map(|sample| sample.reply.faults),
             does: does(motor, id.mirror),
         }
@@ -71,6 +73,12 @@ impl Values {
     /// The names over [`Values::line`].
     pub const HEAD: &str =
         "motor  loop          speed    current     angle   temp  state        faults";
+}
+
+/// Its temperature, if it is known. It is asked less often than the speed, and changes slowly.
+pub fn fresh_temperature(motor: &MotorStatus, now: Instant) -> Option<Celsius> {
+    let (at, celsius) = motor.temperature?;
+    (now.since(at) <= TEMPERATURE_FRESH_FOR).then_some(celsius)
 }
 
 pub fn or_dash(value: Option<impl Display>) -> String {

@@ -98,7 +98,7 @@ fn listed_ports() -> Result<Vec<FoundPort>, OpenFailure> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ChosenPort {
     pub(crate) path: String,
-    /// Its adapter, by which it is found again under another name.
+    /// Its adapter. After a replug, the same adapter may have a port of another name.
     usb: Option<UsbAdapter>,
 }
 
@@ -132,8 +132,8 @@ impl ChosenPort {
         }
     }
 
-    /// The name by which this adapter is remembered: as good as the adapter tells itself apart from others. One without a
-    /// serial number is known by its port, so another one that gets the same port counts as the same.
+    /// Identifies this adapter: by its serial number, or else by its port. Another adapter without a serial number at the
+    /// same port counts as the same.
     pub(crate) fn identity(&self) -> String {
         let port = fs::canonicalize(&self.path).ok();
         // A pseudo-terminal that is made again has another name, and its link has the same.
