@@ -1,15 +1,16 @@
 //! The command line.
 
-use std::{path::PathBuf, time::Duration};
+use std::{fmt::Write, path::PathBuf, time::Duration};
 
 #[cfg(unix)]
 use crate::virtual_motors::VirtualMotors;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use motorlink_bus::{CommandRate, Ramp};
-use motorlink_protocol::{AssignableId, Frame, family::Model};
+use motorlink_experiments::study::{Study, StudyKind};
+use motorlink_protocol::{AssignableId, Frame, MotorId, family::Model};
 
 use crate::{
-    parsers::{assignable, frame, hertz, ramp, rate, seconds},
+    parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
     signed_id::SignedId,
 };
 
@@ -34,6 +35,7 @@ Examples:
   motorlink --virtual=2 control                  by keys, without hardware
   motorlink set-id --new 2                       give the only motor on the bus another ID
   motorlink monitor --csv > telemetry.csv
+  motorlink step to_rpm=120 --out results        figures of the speed loop, and a report
 
 Exit codes: 0 done; 1 not done, or a stop was not confirmed; 2 the command line or a file cannot be used.";
 
@@ -135,6 +137,40 @@ pub enum Action {
         /// Send what may move a wheel or change a motor without asking
         #[arg(long)]
         yes: bool,
+    },
+    /// Run a sequence of setpoints from a file (JSON or CSV, as the page saves it), or a study, and print its figures
+    Run {
+        /// The file
+        file: PathBuf,
+        #[command(flatten)]
+        how: RunHow,
+    },
+    /// Measure the step response of the speed: rise, overshoot, settling, and a fitted model
+    #[command(after_help = parameters_of(&[StudyKind::Step]))]
+    Step {
+        #[arg(help = "Parameters, such as to_rpm=120 repeats=5 accelerations=1,10", value_name = "NAME=VALUE", value_parser = assignment)]
+        set: Vec<Assignment>,
+        #[command(flatten)]
+        how: RunHow,
+    },
+    /// Measure the frequency response of the speed: gain, phase, bandwidth, and a fitted model
+    #[command(after_help = parameters_of(&[StudyKind::Frequency]))]
+    Sweep {
+        #[arg(help = "Parameters, such as highest_hz=10 points=11", value_name = "NAME=VALUE", value_parser = assignment)]
+        set: Vec<Assignment>,
+        #[command(flatten)]
+        how: RunHow,
+    },
+    /// Measure a property of a motor and its wheel
+    #[command(after_help = parameters_of(&Property::KINDS))]
+    Characterise {
+        /// Which one
+        #[arg(value_enum)]
+        what: Property,
+        #[arg(help = "Parameters, such as highest_rpm=100", value_name = "NAME=VALUE", value_parser = assignment)]
+        set: Vec<Assignment>,
+        #[command(flatten)]
+        how: RunHow,
     },
     /// Record the line to a session file, which the page opens and replays
     Record {
@@ -255,6 +291,89 @@ pub struct How {
     /// Record to this session file (.mcap)
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+}
+
+/// What is measured of a motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Property {
+    /// The current that a free wheel needs, by speed
+    Friction,
+    /// Inertia and friction, from pushes and coasting
+    CoastDown,
+    /// How the winding warms up at a constant current, with the wheel blocked or loaded
+    Heating,
+    /// Speed by torque, while a person brakes the wheel
+    TorqueSpeed,
+    /// What the motor does when drive frames cease
+    WhenFramesCease,
+}
+
+impl Property {
+    const KINDS: [StudyKind; 5] = [
+        StudyKind::Friction,
+        StudyKind::CoastDown,
+        StudyKind::Heating,
+        StudyKind::TorqueSpeed,
+        StudyKind::Silence,
+    ];
+
+    pub const fn kind(self) -> StudyKind {
+        match self {
+            Self::Friction => StudyKind::Friction,
+            Self::CoastDown => StudyKind::CoastDown,
+            Self::Heating => StudyKind::Heating,
+            Self::TorqueSpeed => StudyKind::TorqueSpeed,
+            Self::WhenFramesCease => StudyKind::Silence,
+        }
+    }
+}
+
+/// How an experiment is run, and what is made of it.
+#[derive(Clone, Debug, Args)]
+pub struct RunHow {
+    /// Do not ask before the wheels turn
+    #[arg(long)]
+    pub yes: bool,
+    /// Setpoints a second to each motor, 1-500
+    #[arg(long, default_value = "200", value_parser = rate, value_name = "HZ")]
+    pub rate: CommandRate,
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write to this folder: the run (JSON), its setpoints and samples (CSV), its figures (CSV), and a report (HTML)
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Record the line to this session file (.mcap)
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// The parameters of these studies with their defaults and ranges, for the help.
+fn parameters_of(kinds: &[StudyKind]) -> String {
+    let mut text = String::new();
+    for kind in kinds {
+        let mut study = Study::of(*kind, MotorId::FIRST);
+        let parameters = study.parameters();
+        if parameters.is_empty() {
+            continue;
+        }
+        let name = kind.field().replace('_', "-");
+        let _ = writeln!(
+            text,
+            "{}Parameters of {name}:",
+            if text.is_empty() { "" } else { "\n" }
+        );
+        for parameter in parameters {
+            let (min, max) = parameter.range;
+            let _ = writeln!(
+                text,
+                "  {:16} {} ({min} to {max})",
+                parameter.name,
+                parameter.value()
+            );
+        }
+    }
+    text
 }
 
 /// What to do with a session file.

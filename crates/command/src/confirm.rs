@@ -1,8 +1,32 @@
 //! Asks before what moves a wheel or changes a motor.
 
-use std::io::{BufRead, IsTerminal, Write, stderr, stdin};
+use std::{
+    io::{BufRead, IsTerminal, Write, stderr, stdin},
+    sync::mpsc::{TryRecvError, channel},
+    thread,
+};
 
-use crate::failure::Failure;
+use crate::{connection::Connection, failure::Failure};
+
+/// Asks on the terminal while the line goes on, so that it is up to date when the answer comes.
+///
+/// # Errors
+/// As [`confirm`], or the program ends meanwhile.
+pub fn confirm_on(connection: &Connection, question: String) -> Result<(), Failure> {
+    let (answer, answered) = channel();
+    thread::spawn(move || {
+        // Without a receiver the program ends.
+        let _ = answer.send(confirm(&question));
+    });
+    loop {
+        connection.next()?;
+        match answered.try_recv() {
+            Ok(answer) => return answer,
+            Err(TryRecvError::Empty) => {}
+            Err(TryRecvError::Disconnected) => return Err(Failure::Interrupted),
+        }
+    }
+}
 
 /// Asks on the terminal.
 ///

@@ -1,8 +1,15 @@
 //! Why a command was not done.
 
-use std::{fmt, io, path::Path, process::ExitCode};
+use std::{fmt, io, path::Path};
 
 use motorlink_driver::OpenFailure;
+
+/// The exit code of a command that was done.
+pub const DONE: u8 = 0;
+/// The exit code of [`Failure::NotDone`].
+pub const NOT_DONE: u8 = 1;
+/// The exit code of [`Failure::Usage`].
+pub const USAGE: u8 = 2;
 
 /// Why a command was not done. Its text is one line and says what to do.
 #[derive(Debug)]
@@ -45,10 +52,10 @@ impl Failure {
         Self::NotDone(format!("standard output: {error}"))
     }
 
-    pub fn exit_code(&self) -> ExitCode {
+    pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::NotDone(_) | Self::Interrupted => ExitCode::FAILURE,
-            Self::Usage(_) => ExitCode::from(2),
+            Self::NotDone(_) | Self::Interrupted => NOT_DONE,
+            Self::Usage(_) => USAGE,
         }
     }
 }

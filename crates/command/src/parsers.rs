@@ -19,6 +19,18 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
     seconds.ok_or_else(|| "expected seconds, 0 to 86400".to_owned())
 }
 
+/// A parameter and its values: one, or several with commas between.
+pub type Assignment = (String, Vec<f64>);
+
+pub fn assignment(text: &str) -> Result<Assignment, String> {
+    let (name, values) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    let values = values.split(',').map(|value| value.trim().parse::<f64>());
+    let values: Vec<f64> = values
+        .collect::<Result<_, _>>()
+        .map_err(|_| format!("{name}: expected a number"))?;
+    Ok((name.trim().to_owned(), values))
+}
+
 pub fn hertz(text: &str) -> Result<f64, String> {
     let hertz = text.trim().parse::<f64>().ok();
     let hertz = hertz.filter(|hertz| (0.001..=1000.0).contains(hertz));

@@ -101,6 +101,12 @@ fn stop_mark(report: &StopReport) -> Mark {
     }
 }
 
+/// The wall clock now, in milliseconds since 1970.
+pub fn unix_ms() -> u64 {
+    let unix = SystemTime::now().duration_since(UNIX_EPOCH);
+    u64::try_from(unix.unwrap_or_default().as_millis()).unwrap_or_default()
+}
+
 /// The wall clock at [`Instant::ZERO`], in microseconds since 1970, where it is `now` now.
 pub fn zero_unix_us(now: Instant) -> i64 {
     let unix = SystemTime::now()

@@ -6,7 +6,7 @@ use motorlink_protocol::{AssignableId, MotorId};
 
 use crate::{
     arguments::Global,
-    confirm::confirm,
+    confirm::confirm_on,
     connection::{Connection, Happened, WIRING, is_not_done, on_line},
     failure::Failure,
     output::{print, say},
@@ -35,7 +35,7 @@ fn change(connection: &Connection, new: AssignableId, yes: bool) -> Result<(), F
         "The only motor on the bus has ID {from}. It keeps the new ID {to} without power."
     ));
     if !yes {
-        confirm("Change it?")?;
+        confirm_on(connection, "Change it?".to_owned())?;
         // A person may have plugged in another motor meanwhile, and the proof has a minute.
         if only_motor(connection)? != from {
             return Err(Failure::NotDone(

@@ -14,6 +14,7 @@ pub fn ids(ids: impl IntoIterator<Item = MotorId>) -> String {
 pub fn of_entry(entry: &Entry) -> Option<String> {
     Some(match entry {
         Entry::Event(event) => return of_event(event),
+        Entry::Run(_) => return None,
         Entry::Refused { command, refusal } => match command {
             CommandKind::Other | CommandKind::Forget => return None,
             _ => format!("not done: {refusal}"),

@@ -7,6 +7,7 @@ mod bench;
 mod control;
 mod drop_in;
 mod example;
+mod experiments;
 mod generated_programs;
 mod models;
 mod program;

@@ -120,7 +120,7 @@ fn a_stalled_adapter_passes_nothing_either_way_and_then_all_of_it() {
     port.write(QUERY.frame().bytes());
     std::thread::sleep(ms(50));
     port.write(QUERY.frame().bytes());
-    assert_eq!(port.read(10, ms(100)), []);
+    assert!(port.read(10, ms(100)).is_empty());
     // The second frame follows the first at once, and has passed before the first is answered.
     assert_eq!(port.read(20, ms(2000)).len(), 20);
     assert!(began.elapsed() >= ms(280), "{:?}", began.elapsed());

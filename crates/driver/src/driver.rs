@@ -7,6 +7,7 @@ use std::{
 };
 
 use motorlink_bus::Command;
+use motorlink_messages::runs::ToRun;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
@@ -24,7 +25,7 @@ const ENTRIES_MAX: usize = 8192;
 const ANSWER_MAX: Duration = Duration::from_secs(1);
 
 /// What [`Driver::next`] returns.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// An entry, and when it happened by the clock of the driver.
     Entry(Instant, Entry),
@@ -85,6 +86,12 @@ impl Driver {
         let command = Input::Command(command, std::time::Instant::now());
         // A driver that has ended says so by the next entry.
         let _ = self.inputs.send(command);
+    }
+
+    /// Gives a message to the run of an experiment. Its answers come as [`Entry::Run`].
+    pub fn run(&self, message: ToRun) {
+        let message = Input::Run(Box::new(message), std::time::Instant::now());
+        let _ = self.inputs.send(message);
     }
 
     /// The next entry, within this time. A program that drives calls this at least every half second: it tells the driver

@@ -1,10 +1,11 @@
 //! What the driver tells the program that opened it.
 
 use motorlink_bus::{CommandKind, Event, JobStatus, LineStatus, MotorStatus, RawStatus, Refusal};
+use motorlink_messages::runs::FromRun;
 use motorlink_protocol::{Instant, MotorId};
 
 /// What happened, in order.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
     /// An event of the bus. [`Event::PingPage`] is answered by taking the entry and is not among them.
     Event(Event),
@@ -26,6 +27,8 @@ pub enum Entry {
     },
     /// The port is open again. What was driven is being stopped.
     PortBack,
+    /// What the run of an experiment says.
+    Run(Box<FromRun>),
     /// What is driven cannot be written to its file: if this process is killed, the next one does not know that these
     /// motors turn.
     NotRemembered,

@@ -1,6 +1,6 @@
 //! The bus on an open line, without a thread and without a clock.
 
-use motorlink_bus::{Bus, Event, Output};
+use motorlink_bus::{Bus, BusSettings, Event, Output};
 use motorlink_messages::LeftBehind;
 use motorlink_protocol::Instant;
 
@@ -8,6 +8,7 @@ use crate::{
     driven_file::DrivenFile,
     entry::Entry,
     line::{Line, Written},
+    runs::Runs,
 };
 
 /// An open line with its bus.
@@ -39,13 +40,19 @@ impl Host {
         &mut self,
         now: Instant,
         file: &mut DrivenFile,
+        (runs, settings): (&mut Runs, BusSettings),
         mut tell: impl FnMut(Entry),
     ) -> Turned {
+        // Before the bus, which then sends the setpoints of this moment.
+        runs.tick(now, &mut self.bus, settings);
         loop {
             while let Some(bytes) = self.line.take_received(now) {
                 self.bus.receive(now, &bytes);
             }
             let output = self.bus.poll(now);
+            if let Output::Event(event) = &output {
+                runs.event(now, event, &mut self.bus, settings);
+            }
             // Before the frame: a process that is killed behind it leaves a file that names the motor.
             if !file.remember(self.bus.model(), || self.bus.left_driven()) {
                 tell(Entry::NotRemembered);
@@ -64,8 +71,9 @@ impl Host {
                     tell(Entry::Event(event));
                 }
                 Output::Wait(at) => {
-                    let line = self.line.next_event();
-                    return Turned::Wait(line.map_or(at, |line| at.min(line)));
+                    let others = [self.line.next_event(), runs.wake()];
+                    let next = others.into_iter().flatten().fold(at, Instant::min);
+                    return Turned::Wait(next);
                 }
             }
         }

@@ -3,6 +3,7 @@
 use std::sync::mpsc::SyncSender;
 
 use motorlink_bus::Command;
+use motorlink_messages::runs::ToRun;
 use motorlink_protocol::Instant;
 
 use crate::entry::{Entry, Status};
@@ -15,6 +16,8 @@ pub(crate) enum Input {
     PortGone(u32),
     /// A command, and when it was given.
     Command(Command, std::time::Instant),
+    /// A message to the run of an experiment, and when it was given.
+    Run(Box<ToRun>, std::time::Instant),
     /// The program takes entries.
     Alive,
     /// The program asks for the state.

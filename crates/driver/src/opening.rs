@@ -126,6 +126,7 @@ impl Owner {
         let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
             host.bus.left_driven().map(|motor| motor.id).collect()
         });
+        self.runs.unplugged(now, self.settings);
         self.close_line();
         self.look_at = now;
         if self.stage != Stage::OnTrial {

@@ -7,8 +7,7 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{BusSettings, Command, Event, Refusal, StopReason, StopReport};
-use motorlink_messages::LeftBehind;
+use motorlink_bus::{BusSettings, COMMAND_AGE_MAX, Command, Event, StopReport};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
@@ -21,6 +20,7 @@ use crate::{
     open_failure::OpenFailure,
     options::{Ending, Options},
     ports::ChosenPort,
+    runs::Runs,
 };
 
 /// How long the thread sleeps at most: it has nothing to do while the port is lost but to look for it.
@@ -61,6 +61,7 @@ pub(crate) struct Owner {
     pub(crate) file: DrivenFile,
     /// The open line; `None` while the port is lost.
     pub(crate) host: Option<Host>,
+    pub(crate) runs: Runs,
     /// The serial port; `None` for virtual motors.
     pub(crate) port: Option<ChosenPort>,
     pub(crate) stage: Stage,
@@ -69,7 +70,7 @@ pub(crate) struct Owner {
     /// When a lost port is looked for next.
     pub(crate) look_at: Instant,
     /// The stop that was the last to end.
-    last_stop: Option<StopReport>,
+    pub(crate) last_stop: Option<StopReport>,
     #[cfg(test)]
     fails_next: bool,
 }
@@ -93,6 +94,7 @@ impl Owner {
             is_halted: false,
             file: DrivenFile::none(),
             host: None,
+            runs: Runs::default(),
             port: None,
             stage: Stage::OnTrial,
             number: 0,
@@ -144,9 +146,10 @@ impl Owner {
     }
 
     /// Runs the open port until the program ends it.
-    fn run_open(&mut self) {
+    pub(crate) fn run_open(&mut self) {
         loop {
             let wake = self.turn();
+            self.tell_of_run();
             if let Stage::Ending { has_stopped } = self.stage
                 && (has_stopped || !self.is_active())
             {
@@ -154,14 +157,6 @@ impl Owner {
             }
             self.take_inputs(wake);
         }
-    }
-
-    /// Whether a motor is driven or turns. Nothing can be stopped while the port is lost: the next driver does it.
-    fn is_active(&mut self) -> bool {
-        let now = self.clock.now();
-        self.host
-            .as_ref()
-            .is_some_and(|host| host.bus.is_active(now))
     }
 
     /// Does everything that is due. Returns when the next turn is.
@@ -172,7 +167,8 @@ impl Owner {
             return self.look_for_port(now);
         };
         let mut entries = Vec::new();
-        let turned = host.turn(now, &mut self.file, |entry| entries.push(entry));
+        let runs = (&mut self.runs, self.settings);
+        let turned = host.turn(now, &mut self.file, runs, |entry| entries.push(entry));
         #[cfg(test)]
         assert!(!std::mem::take(&mut self.fails_next), "asked for by a test");
         // The bus stops all motors by itself after a silence of the program or a sleep of the computer.
@@ -200,6 +196,14 @@ impl Owner {
                 self.lose_port();
                 now
             }
+        }
+    }
+
+    /// Tells what the run has said.
+    fn tell_of_run(&mut self) {
+        let now = self.clock.now();
+        for message in self.runs.take_messages() {
+            self.tell(now, Entry::Run(Box::new(message)));
         }
     }
 
@@ -245,6 +249,12 @@ impl Owner {
                     self.command(now, command);
                 }
             }
+            (Input::Run(message, given), _) => {
+                let is_old = given.elapsed() > COMMAND_AGE_MAX;
+                let host = self.host.as_mut().filter(|_| self.stage == Stage::Settled);
+                let bus = host.map(|host| &mut host.bus);
+                self.runs.message(now, &message, is_old, bus, self.settings);
+            }
             (Input::Status(answer), _) => {
                 // Who asked waits for it.
                 let _ = answer.try_send(self.status(now));
@@ -266,7 +276,10 @@ impl Owner {
         }
         match &mut self.host {
             Some(host) if self.stage == Stage::Settled || !command.may_move() => {
-                if let Err(refusal) = host.bus.command(now, command) {
+                let done = self
+                    .runs
+                    .command(now, command, &mut host.bus, self.settings);
+                if let Err(refusal) = done {
                     let command = command.into();
                     self.tell(now, Entry::Refused { command, refusal });
                 }
@@ -284,23 +297,6 @@ impl Owner {
         }
     }
 
-    fn begin_end(&mut self, now: Instant) {
-        if self.stage.is_ending() {
-            return;
-        }
-        self.stage = Stage::Ending { has_stopped: false };
-        let Some(host) = &mut self.host else { return };
-        if !host.bus.is_stopping() {
-            // What an earlier stop has shown is not the result of this end.
-            self.last_stop = None;
-        }
-        if host.bus.is_active(now) {
-            let stop = Command::StopAll(StopReason::Disconnect);
-            // A stop is never refused.
-            let _: Result<(), Refusal> = host.bus.command(now, stop);
-        }
-    }
-
     fn status(&self, now: Instant) -> Status {
         let bus = self.host.as_ref().map(|host| &host.bus);
         Status {
@@ -312,26 +308,5 @@ impl Owner {
             raw: bus.and_then(motorlink_bus::Bus::raw),
             line: bus.map(|bus| bus.line_status(now)),
         }
-    }
-
-    /// The bus has failed, and its state is not to be trusted. The line is: another bus stops what the file names.
-    fn stop_after_failure(&mut self) {
-        self.stage = Stage::Ending { has_stopped: false };
-        self.is_halted = true;
-        let now = self.clock.now();
-        let Some(mut host) = self.host.take() else {
-            // No line is left. The next driver stops what the file names.
-            if let Some(left) = self.file.written() {
-                self.file.carry(left);
-            }
-            return;
-        };
-        let nothing = LeftBehind::nothing(host.bus.model());
-        let left = self.file.written().unwrap_or(nothing);
-        host.bus = self.new_bus(now, left.model).after_another(now);
-        host.bus.stop_first(now, left.motors);
-        self.host = Some(host);
-        // If this one fails too, the motors are in the file.
-        let _ = catch_unwind(AssertUnwindSafe(|| self.run_open()));
     }
 }

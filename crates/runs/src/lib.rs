@@ -12,13 +12,16 @@
 //! | `program` | the side that decides |
 //! | `cause` | events of the bus as causes that end a run |
 //! | `report` | what the program tells the page |
+//! | `recorded_run` | a run as a program without a page asks for it and records it |
 
 mod cause;
 mod exchange;
 mod host;
 mod program;
+mod recorded_run;
 mod report;
 
 pub use exchange::{Act, Input, LineState, Output};
 pub use host::{Failed, Host, Line};
 pub use program::Program;
+pub use recorded_run::RecordedRun;

@@ -4,7 +4,6 @@ use std::{
     fs::File,
     io::{self, BufWriter, Write},
     path::Path,
-    process::ExitCode,
 };
 
 use motorlink_recorder::Charset;
@@ -24,11 +23,7 @@ use crate::{
 const PIECE: usize = 64 << 10;
 
 /// Writes a session in this format, to a file or the standard output. Exit code 1 if something of it is missing.
-pub fn export(
-    opened: &mut Opened,
-    format: Format,
-    out: Option<&Path>,
-) -> Result<ExitCode, Failure> {
+pub fn export(opened: &mut Opened, format: Format, out: Option<&Path>) -> Result<u8, Failure> {
     let name = out.map_or_else(
         || "standard output".to_owned(),
         |out| out.display().to_string(),

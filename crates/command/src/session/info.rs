@@ -1,14 +1,17 @@
 //! The commands `info` and `check`.
 
-use std::{io, process::ExitCode};
+use std::io;
 
 use motorlink_recorder::push_iso;
 use motorlink_session::{Overview, Problem, Problems, Source, What, for_each_record, overview};
 
-use crate::session::file::{Failure, Opened};
+use crate::{
+    failure::{DONE, NOT_DONE},
+    session::file::{Failure, Opened},
+};
 
 /// Prints the content of a file by its index.
-pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
+pub fn info(opened: &mut Opened) -> Result<u8, Failure> {
     let name = opened.name.clone();
     let io = |error: io::Error| Failure::Io(name.clone(), error);
     let (overview, read) = overview(&mut opened.bytes, &opened.session).map_err(io)?;
@@ -23,7 +26,7 @@ pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
         println!("attachment  {}, {size} bytes", one_line(&attachment.name));
     }
     print!("{}", opened.problems().and(&read));
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn print_overview(overview: &Overview) {
@@ -61,7 +64,7 @@ fn print_overview(overview: &Overview) {
 }
 
 /// Reads every record and prints the problems.
-pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
+pub fn check(opened: &mut Opened) -> Result<u8, Failure> {
     let name = opened.name.clone();
     let (mut lines, mut events, mut states) = (0_u64, 0_u64, 0_u64);
     let read = for_each_record(&mut opened.bytes, &opened.session, |record| {
@@ -82,13 +85,11 @@ pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
 }
 
 /// Exit code 1 if something is missing or damaged. Times without a date are as they were written.
-pub(crate) fn exit_code(problems: &Problems) -> ExitCode {
+pub(crate) fn exit_code(problems: &Problems) -> u8 {
     let mut missing = problems
         .iter()
         .filter(|(problem, _)| *problem != Problem::NoDate);
-    missing
-        .next()
-        .map_or(ExitCode::SUCCESS, |_| ExitCode::FAILURE)
+    missing.next().map_or(DONE, |_| NOT_DONE)
 }
 
 fn iso(ns: u64) -> String {

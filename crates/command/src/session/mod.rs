@@ -5,23 +5,21 @@ mod file;
 mod info;
 mod runs;
 
-use std::process::ExitCode;
-
-use crate::arguments::SessionAction;
+use crate::{arguments::SessionAction, failure::USAGE};
 use file::{Failure, Opened};
 
 /// Does what was asked. Exit code 1 if something of the file is missing or damaged, 2 if it cannot be read at all.
-pub fn run(action: SessionAction) -> ExitCode {
+pub fn run(action: SessionAction) -> u8 {
     match try_run(action) {
         Ok(code) => code,
         Err(failure) => {
             eprintln!("{failure}");
-            ExitCode::from(2)
+            USAGE
         }
     }
 }
 
-fn try_run(action: SessionAction) -> Result<ExitCode, Failure> {
+fn try_run(action: SessionAction) -> Result<u8, Failure> {
     match action {
         SessionAction::Info { file } => info::info(&mut Opened::open(&file)?),
         SessionAction::Check { file } => info::check(&mut Opened::open(&file)?),

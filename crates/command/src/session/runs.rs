@@ -1,22 +1,25 @@
 //! Writes the runs of experiments in a session to files.
 
-use std::{fs, path::Path, process::ExitCode};
+use std::{fs, path::Path};
 
 use motorlink_messages::experiments::kept::{record_to_csv, run_to_json};
 use motorlink_session::{Session, Source};
 
-use crate::session::{
-    file::{Failure, Opened},
-    info::one_line,
+use crate::{
+    failure::{DONE, NOT_DONE},
+    session::{
+        file::{Failure, Opened},
+        info::one_line,
+    },
 };
 
 /// Writes each run as `run-NUMBER.json` and `run-NUMBER.csv`, and prints its name. Exit code 1 if one is unreadable.
-pub fn write(opened: &mut Opened, folder: &Path) -> Result<ExitCode, Failure> {
+pub fn write(opened: &mut Opened, folder: &Path) -> Result<u8, Failure> {
     let failed = |error| Failure::Io(folder.display().to_string(), error);
     let source = opened.name.clone();
     let unread = |error| Failure::Io(source.clone(), error);
     let mut written = Vec::new();
-    let mut code = ExitCode::SUCCESS;
+    let mut code = DONE;
     let runs: Vec<_> = opened.session.runs().collect();
     if runs.is_empty() {
         eprintln!("{}: no runs of experiments in it", opened.name);
@@ -30,7 +33,7 @@ pub fn write(opened: &mut Opened, folder: &Path) -> Result<ExitCode, Failure> {
         let bytes = bytes.map_err(unread)?.unwrap_or_default();
         let Ok((header, record)) = Session::read_run(&bytes) else {
             eprintln!("{}: cannot be read", one_line(name));
-            code = ExitCode::FAILURE;
+            code = NOT_DONE;
             continue;
         };
         // Not the name in the file: that can be a path.

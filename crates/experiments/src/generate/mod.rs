@@ -97,7 +97,7 @@ fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str)
     let parts = [
         ("@NAME@", plain(program.name)),
         ("@PORT@", plain(program.port)),
-        ("@WHAT@", what_moves(plan)),
+        ("@WHAT@", plan.to_string()),
         ("@MOTOR_COUNT@", plan.motors.len().to_string()),
         ("@ROW_COUNT@", plan.program.len().to_string()),
         ("@PERIOD_MS@", period_ms.to_string()),
@@ -121,18 +121,6 @@ fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str)
         filled
     };
     list(list(text, "@MOTORS@", motors), "@ROWS@", rows)
-}
-
-/// The text that the user reads before the start.
-fn what_moves(plan: &Plan) -> String {
-    let mut text = String::new();
-    for motor in &plan.motors {
-        let (id, unit) = (motor.id.get(), motor.quantity.field());
-        let (least, greatest) = (motor.least, motor.greatest);
-        let _ = write!(text, "motor {id} from {least} to {greatest} {unit}, ");
-    }
-    let _ = write!(text, "for at most {:.1} s", plan.longest_s);
-    text
 }
 
 /// A text without characters that any of the languages interprets.

@@ -4,9 +4,12 @@ use nojson::{DisplayJson, JsonFormatter, json};
 
 use super::RunHeader;
 use crate::{
-    analysis::{Estimate, FittedModel, Invalid, Lag},
+    analysis::{Estimate, FittedModel, Invalid, Lag, WhenSilent},
     sequence::Quantity,
-    study::{Findings, FrequencyFindings, MotorFindings, StepFindings, Study},
+    study::{
+        CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
+        MotorFindings, SilenceFindings, StepFindings, Study, TorqueSpeedFindings,
+    },
 };
 
 /// Figures are rounded to this part of their unit.
@@ -14,29 +17,23 @@ const DIGITS: f64 = 1e6;
 
 /// A cell of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Cell {
+pub enum Cell {
+    /// A number; `None` if it is unknown.
     Number(Option<f64>),
+    /// Yes or no.
     Flag(bool),
+    /// A word; empty if it is unknown.
     Text(&'static str),
 }
 
-/// A row: cells with the names of their columns.
-type Row = Vec<(&'static str, Cell)>;
-
-/// Whether a run of this study has a table of figures.
-#[must_use]
-pub const fn has_figures(study: &Study) -> bool {
-    matches!(
-        study,
-        Study::Sequence(_) | Study::Step(_) | Study::Frequency(_)
-    )
-}
+/// A row: cells with the names of their columns, which have the unit last.
+pub type Row = Vec<(&'static str, Cell)>;
 
 /// The table as CSV. Every row repeats the parameters, so that tables of several runs can be joined.
 #[must_use]
 pub fn figures_to_csv(header: &RunHeader, study: &Study, findings: &Findings) -> String {
     let parameters = parameters(header, study);
-    let rows: Vec<Row> = rows(findings)
+    let rows: Vec<Row> = figures(findings)
         .into_iter()
         .map(|row| parameters.iter().copied().chain(row).collect())
         .collect();
@@ -65,7 +62,10 @@ pub fn figures_to_json(header: &RunHeader, study: &Study, findings: &Findings) -
             f.member("study", study)?;
             f.member(
                 "figures",
-                rows(findings).into_iter().map(Object).collect::<Vec<_>>(),
+                figures(findings)
+                    .into_iter()
+                    .map(Object)
+                    .collect::<Vec<_>>(),
             )
         })
     });
@@ -87,13 +87,106 @@ fn parameters(header: &RunHeader, study: &Study) -> Row {
     row
 }
 
-fn rows(findings: &Findings) -> Vec<Row> {
+/// The table: a row for each motor, step or frequency; one row for each other study.
+#[must_use]
+pub fn figures(findings: &Findings) -> Vec<Row> {
     match findings {
         Findings::Sequence(found) => found.iter().map(followed).collect(),
         Findings::Step(found) => steps(found),
         Findings::Frequency(found) => points(found),
-        _ => Vec::new(),
+        Findings::Friction(found) => vec![friction(found)],
+        Findings::CoastDown(found) => vec![coast_down(found)],
+        Findings::Heating(found) => vec![heating(found)],
+        Findings::TorqueSpeed(found) => vec![torque_speed(found)],
+        Findings::Silence(found) => vec![silence(found)],
     }
+}
+
+/// Estimates, each with half of its interval: the names of both, and the factor to their unit.
+fn estimates<const N: usize>(all: [(&'static str, &'static str, Option<Estimate>, f64); N]) -> Row {
+    let cells = all.into_iter().flat_map(|(name, interval, of, factor)| {
+        let value = of.map(|of| of.value * factor);
+        let half = of.map(|of| of.plus_minus * factor);
+        [(name, Cell::Number(value)), (interval, Cell::Number(half))]
+    });
+    cells.collect()
+}
+
+fn friction(found: &FrictionFindings) -> Row {
+    let fit = found.friction;
+    let coulomb = fit.map(|it| it.coulomb_a);
+    let viscous = fit.map(|it| it.viscous_a_per_rpm);
+    estimates([
+        ("coulomb_a", "coulomb_a_interval", coulomb, 1.0),
+        (
+            "viscous_ma_per_rpm",
+            "viscous_ma_per_rpm_interval",
+            viscous,
+            1e3,
+        ),
+    ])
+}
+
+fn coast_down(found: &CoastDownFindings) -> Row {
+    let (fit, coast) = (found.inertia, found.coast);
+    let inertia = fit.map(|it| it.inertia_kg_m2);
+    let dry = fit.map(|it| it.dry_nm);
+    let viscous = fit.map(|it| it.viscous_nm_s);
+    let slows = coast.map(|it| it.dry_rad_s2);
+    estimates([
+        ("inertia_g_m2", "inertia_g_m2_interval", inertia, 1e3),
+        ("dry_friction_mn_m", "dry_friction_mn_m_interval", dry, 1e3),
+        (
+            "viscous_friction_mn_m_s",
+            "viscous_friction_mn_m_s_interval",
+            viscous,
+            1e3,
+        ),
+        (
+            "friction_over_inertia_rad_s2",
+            "friction_over_inertia_rad_s2_interval",
+            slows,
+            1.0,
+        ),
+    ])
+}
+
+fn heating(found: &HeatingFindings) -> Row {
+    let fit = found.heating;
+    let constant = fit.map(|it| it.time_constant_s);
+    let last = fit.map(|it| it.final_c);
+    let mut row = estimates([
+        ("time_constant_s", "time_constant_s_interval", constant, 1.0),
+        ("final_c", "final_c_interval", last, 1.0),
+    ]);
+    row.push(("mean_a", Cell::Number(found.amps)));
+    row
+}
+
+fn torque_speed(found: &TorqueSpeedFindings) -> Row {
+    let no_load = found.line.map(|it| it.no_load_rpm);
+    let droop = found.line.and_then(|it| it.droop);
+    let droop = droop.map(|it| it.rpm_per_nm);
+    estimates([
+        ("no_load_rpm", "no_load_rpm_interval", no_load, 1.0),
+        ("lost_rpm_per_n_m", "lost_rpm_per_n_m_interval", droop, 1.0),
+    ])
+}
+
+fn silence(found: &SilenceFindings) -> Row {
+    let result = found.result.map_or("", |result| match result {
+        WhenSilent::Keeps => "keeps",
+        WhenSilent::Coasts => "coasts",
+        WhenSilent::Brakes => "brakes",
+    });
+    let ((asked, asked_end), (unasked, unasked_end)) = (found.asked_rpm, found.unasked_rpm);
+    vec![
+        ("when_frames_cease", Cell::Text(result)),
+        ("before_with_queries_rpm", Cell::Number(asked)),
+        ("after_with_queries_rpm", Cell::Number(asked_end)),
+        ("before_without_queries_rpm", Cell::Number(unasked)),
+        ("after_without_queries_rpm", Cell::Number(unasked_end)),
+    ]
 }
 
 fn followed(found: &MotorFindings) -> Row {
@@ -212,7 +305,8 @@ impl Cell {
     }
 
     /// Empty for what is unknown.
-    fn text(self) -> String {
+    #[must_use]
+    pub fn text(self) -> String {
         match self {
             Self::Number(value) => {
                 Self::number(value).map_or_else(String::new, |it| it.to_string())

@@ -17,7 +17,7 @@ use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use nojson::RawJson;
 
-pub use figures::{figures_to_csv, figures_to_json, has_figures};
+pub use figures::{Cell, Row, figures, figures_to_csv, figures_to_json};
 pub use json::{JsonError, run_from_json, run_to_json};
 pub use report::{ReportRun, ReportTexts, report};
 

@@ -3,6 +3,8 @@
 mod check;
 mod curve;
 
+use std::fmt;
+
 use motorlink_protocol::{Mode, MotorId};
 
 pub use curve::{Curve, CurvePoint, POINTS_MAX};
@@ -111,6 +113,18 @@ impl PlannedMove {
             End::After(seconds) => seconds,
             End::Until { within_s, .. } => within_s,
         }
+    }
+}
+
+/// What moves: `motor 1 from 0 to 100 rpm, for at most 12.5 s`.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for motor in &self.motors {
+            let (id, unit) = (motor.id.get(), motor.quantity.field());
+            let (least, greatest) = (motor.least, motor.greatest);
+            write!(f, "motor {id} from {least} to {greatest} {unit}, ")?;
+        }
+        write!(f, "for at most {:.1} s", self.longest_s)
     }
 }
 

@@ -59,11 +59,6 @@ impl Format {
         }
     }
 
-    /// Whether only studies with a table of figures have this file.
-    pub(super) const fn is_of_figures(self) -> bool {
-        matches!(self, Self::FiguresCsv | Self::FiguresJson)
-    }
-
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Csv => tr!("Data (CSV)"),

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     chart::RUNS_MAX,
-    kept::{Outcome, RunHeader, has_figures},
+    kept::{Outcome, RunHeader},
     sequence::NAME_MAX,
 };
 
@@ -63,18 +63,7 @@ impl Choice {
         if marked.len() > RUNS_MAX {
             return Some(tr!("Mark at most eight runs.").to_owned());
         }
-        let has_none = || {
-            let has = |number: &u32| {
-                let study = self.kept.header(*number)?.study()?;
-                has_figures(&study).then_some(())
-            };
-            let is_missing = self.chosen_format().is_some_and(Format::is_of_figures)
-                && marked.iter().any(|number| has(number).is_none());
-            is_missing.then(|| {
-                tr!("Only sequences, step and frequency responses have this table.").to_owned()
-            })
-        };
-        self.none_marked().or_else(reading).or_else(has_none)
+        self.none_marked().or_else(reading)
     }
 
     fn chosen_format(self) -> Option<Format> {

@@ -1,0 +1,152 @@
+//! The command `motorlink`: the same bus as on the page, in a terminal. See `motorlink --help`.
+//!
+//! It is a library for the Python package, which brings the command too and records as it does.
+
+mod arguments;
+mod confirm;
+mod connection;
+mod control;
+mod drive;
+mod experiment;
+mod failure;
+mod info;
+mod monitor;
+mod output;
+mod parsers;
+mod ports;
+mod raw;
+mod recording;
+mod scan;
+mod session;
+mod set_id;
+#[cfg(unix)]
+mod signals;
+mod signed_id;
+mod starting;
+mod stop;
+mod values;
+#[cfg(unix)]
+mod virtual_motors;
+mod watching;
+mod words;
+
+use std::ffi::OsString;
+
+use clap::{Parser, error::ErrorKind};
+use motorlink_driver::Ender;
+use motorlink_experiments::study::StudyKind;
+use motorlink_protocol::Acceleration;
+
+use arguments::{Action, Arguments};
+use failure::{DONE, Failure, NOT_DONE, USAGE};
+use output::say;
+
+/// Runs the command with these arguments, the first of which is the name of the program. Returns its exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let arguments = match arguments.action {
+        Action::Session { action } => return session::run(action),
+        _ => arguments,
+    };
+    #[cfg(unix)]
+    let arguments = match arguments.action {
+        // It handles signals itself.
+        Action::Virtual(flags) => {
+            let model = arguments.global.model.unwrap_or_default();
+            return exit(virtual_motors::run(flags, model));
+        }
+        _ => arguments,
+    };
+    let ender = Ender::default();
+    let of_signal = ender.clone();
+    // Ctrl-C, SIGTERM, SIGHUP and the console events of Windows end the driver, which stops the motors.
+    let handled = ctrlc::set_handler(move || of_signal.end());
+    #[cfg(unix)]
+    let handled = handled
+        .map_err(std::io::Error::other)
+        .and_then(|()| signals::end_instead(&ender));
+    if let Err(error) = handled {
+        say(format_args!(
+            "motorlink: signals cannot be handled, so nothing is driven: {error}"
+        ));
+        return NOT_DONE;
+    }
+    exit(dispatch(arguments, &ender))
+}
+
+fn exit(done: Result<(), Failure>) -> u8 {
+    match done {
+        Ok(()) => DONE,
+        Err(failure) => {
+            say(format_args!("motorlink: {failure}"));
+            failure.exit_code()
+        }
+    }
+}
+
+fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<(), Failure> {
+    match action {
+        Action::Ports { json } => ports::run(json),
+        Action::Scan { json, full: _ } => scan::run(&global, json, ender),
+        Action::Info { json } => info::run(&global, json, ender),
+        Action::Monitor(how) => monitor::run(&global, &how, ender),
+        Action::Drive { drive } => drive::run(&global, drive, ender),
+        Action::Control { rpm, accel, latch } => {
+            let how = control::How {
+                rpm,
+                acceleration: Acceleration::new(accel),
+                latches: latch,
+            };
+            control::run(&global, how, ender)
+        }
+        Action::Stop => stop::run(&global, ender),
+        Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),
+        Action::Raw { frame, yes } => raw::run(&global, frame, yes, ender),
+        Action::Run { file, how } => {
+            experiment::run(&global, experiment::Asked::File(&file), &how, ender)
+        }
+        Action::Step { set, how } => {
+            let asked = experiment::Asked::Study(StudyKind::Step, &set);
+            experiment::run(&global, asked, &how, ender)
+        }
+        Action::Sweep { set, how } => {
+            let asked = experiment::Asked::Study(StudyKind::Frequency, &set);
+            experiment::run(&global, asked, &how, ender)
+        }
+        Action::Characterise { what, set, how } => {
+            let asked = experiment::Asked::Study(what.kind(), &set);
+            experiment::run(&global, asked, &how, ender)
+        }
+        Action::Record { file, secs } => recording::run(&global, &file, secs, ender),
+        // They need no line.
+        Action::Session { .. } => Ok(()),
+        #[cfg(unix)]
+        Action::Virtual(_) => Ok(()),
+    }
+}
+
+/// Prints a help text, or what is wrong with the command line in one line.
+fn usage(error: &clap::Error) -> u8 {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            print!("{error}");
+            DONE
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            eprint!("{error}");
+            USAGE
+        }
+        _ => {
+            let text = error.to_string();
+            // Behind the first paragraph are a usage text and tips.
+            let first = text.split("\n\n").next().unwrap_or_default();
+            let words = first.split_whitespace().collect::<Vec<_>>().join(" ");
+            let said = words.strip_prefix("error: ").unwrap_or(&words);
+            say(format_args!("motorlink: {said}; see --help"));
+            USAGE
+        }
+    }
+}
