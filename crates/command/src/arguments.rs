@@ -189,6 +189,16 @@ pub enum Action {
     /// nothing passes the adapter.
     #[cfg(unix)]
     Virtual(VirtualMotors),
+    /// Print the completions of a shell, to be sourced by it
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the man pages to a folder
+    Man {
+        /// The folder
+        folder: PathBuf,
+    },
     /// Print, check and convert session files
     Session {
         #[command(subcommand)]

@@ -1,27 +1,46 @@
 //! An open line, as every command uses it.
 
-use std::time::{Duration, Instant};
+use std::{
+    cell::RefCell,
+    path::Path,
+    time::{Duration, Instant},
+};
 
-use motorlink_bus::{Command, Event, IdQueryOutcome};
 use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
 use motorlink_protocol::MotorId;
 
-use crate::{arguments::Global, failure::Failure, output::say, signed_id::SignedId, words};
+use crate::{
+    arguments::Global, failure::Failure, output::say, recording::Recording, signed_id::SignedId,
+    words,
+};
 
 /// How long to wait for an entry before looking at the clock again.
 const STEP: Duration = Duration::from_millis(20);
-/// Time for three ID queries.
-const ID_QUERY_MIN: Duration = Duration::from_millis(300);
 
 /// What to do where no motor answers.
 pub const WIRING: &str = "Is the supply on? Is the ground joined? Swap A and B";
 
 /// An open line with its motors. The motors are stopped when it is dropped.
 pub struct Connection {
+    /// The driver.
     pub driver: Driver,
+    /// The motors of the command.
     pub motors: Vec<SignedId>,
     ender: Ender,
-    timeout: Duration,
+    pub(crate) timeout: Duration,
+    recording: RefCell<Option<Recording>>,
+    listener: Option<RefCell<Listener>>,
+}
+
+/// Takes what happens on a line in place of the terminal.
+pub type Listener = Box<dyn FnMut(Heard<'_>) + Send>;
+
+/// What a [`Listener`] takes.
+pub enum Heard<'a> {
+    /// An entry.
+    Entry(motorlink_protocol::Instant, &'a Entry),
+    /// What a person should know.
+    Note(String),
 }
 
 /// What happened, beyond what is printed for every command.
@@ -34,6 +53,9 @@ pub enum Happened {
 
 impl Connection {
     /// Opens the line of these arguments, with what `change` changes. The signals that end a program end the driver.
+    ///
+    /// # Errors
+    /// There is no such port, another program has it, or no motor answers as the model that is asked for.
     pub fn open_with(
         global: &Global,
         ender: &Ender,
@@ -51,7 +73,52 @@ impl Connection {
             motors,
             ender: ender.clone(),
             timeout: global.timeout,
+            recording: RefCell::new(None),
+            listener: None,
         })
+    }
+
+    /// From now on this listener takes what happens, and nothing is printed.
+    pub fn listen(&mut self, listener: Listener) {
+        self.listener = Some(RefCell::new(listener));
+    }
+
+    /// Records the line to this file until the end, or to none.
+    ///
+    /// # Errors
+    /// The file exists or cannot be written, or the one before cannot be finished.
+    pub fn record(&self, file: Option<&Path>) -> Result<(), Failure> {
+        let new = match file {
+            Some(file) => Some(Recording::create(file, self.status()?.now)?),
+            None => None,
+        };
+        self.recording
+            .replace(new)
+            .map_or(Ok(()), Recording::finish)
+    }
+
+    /// Says something to the person.
+    pub fn note(&self, text: String) {
+        match &self.listener {
+            Some(listener) => (listener.borrow_mut())(Heard::Note(text)),
+            None => say(text),
+        }
+    }
+
+    /// Whether the terminal shows what is under way.
+    pub const fn shows_progress(&self) -> bool {
+        self.listener.is_none()
+    }
+
+    /// Records an entry, and tells it.
+    fn hear(&self, at: motorlink_protocol::Instant, entry: &Entry) -> Result<(), Failure> {
+        if let Some(recording) = &mut *self.recording.borrow_mut() {
+            recording.add(at, entry)?;
+        }
+        if let Some(listener) = &self.listener {
+            (listener.borrow_mut())(Heard::Entry(at, entry));
+        }
+        Ok(())
     }
 
     /// The next entry, if one comes within a moment. Prints what a person should know.
@@ -63,12 +130,16 @@ impl Connection {
     }
 
     /// The same, within this time.
+    ///
+    /// # Errors
+    /// As [`Connection::next`].
     pub fn next_within(&self, within: Duration) -> Result<Happened, Failure> {
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
                 if let Some(text) = words::of_entry(&entry) {
-                    say(format_args!("{text}"));
+                    self.note(text);
                 }
+                self.hear(at, &entry)?;
                 Ok(Happened::Entry(at, entry))
             }
             Next::Nothing if self.ender.is_asked() => Err(Failure::Interrupted),
@@ -78,6 +149,9 @@ impl Connection {
     }
 
     /// The state of the line now.
+    ///
+    /// # Errors
+    /// The driver has ended, or does not answer.
     pub fn status(&self) -> Result<Status, Failure> {
         self.driver.status().ok_or_else(|| {
             if self.ender.is_asked() {
@@ -89,6 +163,9 @@ impl Connection {
     }
 
     /// Waits until `found` returns a result. Returns `None` after `limit`.
+    ///
+    /// # Errors
+    /// As [`Connection::next`].
     pub fn wait_for<T>(
         &self,
         limit: Duration,
@@ -106,99 +183,33 @@ impl Connection {
         }
     }
 
-    /// Waits until the motors have answered. Without `--id`, the motor is the only one that answers the ID query.
-    ///
-    /// # Errors
-    /// One does not answer in time, or none or several answer.
-    pub fn wait_for_motors(&mut self) -> Result<(), Failure> {
-        if self.motors.is_empty() {
-            let id = self.only_motor()?;
-            self.driver.command(Command::Watch(id));
-            self.motors.push(SignedId::straight(id));
-        }
-        let asked: Vec<MotorId> = self.motors.iter().map(|motor| motor.id).collect();
-        let silent = |status: &Status| -> Vec<MotorId> {
-            let answers =
-                |id: &MotorId| status.motor(*id).is_some_and(|motor| motor.last.is_some());
-            asked.iter().filter(|id| !answers(id)).copied().collect()
-        };
-        let ready = |status: &Status| {
-            let is_known = status.line.is_some_and(|line| line.model_known);
-            (is_known && silent(status).is_empty()).then_some(())
-        };
-        if self.wait_for(self.timeout, ready)?.is_none() {
-            let status = self.status()?;
-            let missing = words::ids(silent(&status));
-            let others = status.motors.iter().filter(|motor| motor.last.is_some());
-            let others = others
-                .map(|motor| motor.id)
-                .filter(|id| !asked.contains(id));
-            let others: Vec<MotorId> = others.collect();
-            return Err(Failure::NotDone(if others.is_empty() {
-                format!("no reply from {missing}. {WIRING}, or find its ID: motorlink scan")
-            } else {
-                format!(
-                    "no reply from {missing}, but from {}: use --id",
-                    words::ids(others)
-                )
-            }));
-        }
-        // What was said before is not about what is asked for next.
-        while let Happened::Entry(..) = self.next_within(Duration::ZERO)? {}
-        Ok(())
-    }
-
-    /// The only motor that answers the ID query: that of the opened port, or one that is asked now.
-    fn only_motor(&self) -> Result<MotorId, Failure> {
-        let mut outcome = None;
-        while let Happened::Entry(_, entry) = self.next_within(Duration::ZERO)? {
-            outcome = id_query_ended(&entry).or(outcome);
-        }
-        let until = Instant::now() + self.timeout.max(ID_QUERY_MIN);
-        loop {
-            match outcome {
-                Some(IdQueryOutcome::One(id)) => return Ok(id),
-                Some(IdQueryOutcome::Garbled) => {
-                    let text =
-                        "several motors answer, or there is noise: use --id, or see motorlink scan";
-                    return Err(Failure::NotDone(text.to_owned()));
-                }
-                // A stop of motors that an earlier program left running cancels it, and one without power may get it.
-                Some(IdQueryOutcome::NoReply | IdQueryOutcome::Cancelled) | None => {
-                    self.driver.command(Command::IdQuery);
-                }
-            }
-            outcome = None;
-            while outcome.is_none() {
-                if Instant::now() >= until {
-                    let text = format!("no motor answers. {WIRING}, or see motorlink scan");
-                    return Err(Failure::NotDone(text));
-                }
-                if let Happened::Entry(_, entry) = self.next()? {
-                    outcome = id_query_ended(&entry);
-                }
-            }
-        }
-    }
-
     /// Stops the motors, closes the port, and prints what the stop has shown. Each entry of the stop goes to `take`.
     ///
     /// # Errors
-    /// A standstill is not confirmed, or `take` fails.
-    pub fn end_with(
-        self,
-        mut take: impl FnMut(motorlink_protocol::Instant, &Entry) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+    /// A standstill is not confirmed, or the recording cannot be finished.
+    pub fn end_with(self, take: impl FnMut(&Entry)) -> Result<(), Failure> {
+        let (ending, recorded) = self.close(take);
+        most_serious(recorded, report(&ending))
+    }
+
+    /// Stops the motors, closes the port, and finishes the recording.
+    pub fn close(self, mut take: impl FnMut(&Entry)) -> (Ending, Result<(), Failure>) {
         self.driver.begin_end();
-        let mut taken = Ok(());
+        let mut recorded = Ok(());
         loop {
             match self.driver.next(STEP) {
-                Next::Entry(at, entry) if taken.is_ok() => taken = take(at, &entry),
-                Next::Entry(..) | Next::Nothing => {}
+                Next::Entry(at, entry) => {
+                    take(&entry);
+                    if recorded.is_ok() {
+                        recorded = self.hear(at, &entry);
+                    }
+                }
+                Next::Nothing => {}
                 Next::Ended => break,
             }
         }
-        report(&self.driver.end()).and(taken)
+        let finished = self.recording.take().map_or(Ok(()), Recording::finish);
+        (self.driver.end(), recorded.and(finished))
     }
 }
 
@@ -215,15 +226,8 @@ pub fn on_line(
 ) -> Result<(), Failure> {
     let mut connection = Connection::open_with(global, ender, change)?;
     let worked = work(&mut connection);
-    let stopped = connection.end_with(|_, _| Ok(()));
+    let stopped = connection.end_with(|_| ());
     most_serious(worked, stopped)
-}
-
-fn id_query_ended(entry: &Entry) -> Option<IdQueryOutcome> {
-    match entry {
-        Entry::Event(Event::IdQueryEnded(outcome)) => Some(*outcome),
-        _ => None,
-    }
 }
 
 /// The failure of a stop, if it has failed: then the other one is only printed.

@@ -15,7 +15,6 @@ use crate::{
     arguments::{Drive, Global, How},
     connection::{Connection, Happened, is_not_done, most_serious},
     failure::Failure,
-    recording::Recording,
     signed_id::SignedId,
     starting,
     values::Values,
@@ -27,32 +26,26 @@ const DRAW: Duration = Duration::from_millis(100);
 /// Drives the motors until the time is over, Ctrl-C, or one of them ends it.
 pub fn run(global: &Global, drive: Drive, ender: &Ender) -> Result<(), Failure> {
     let (setpoint, how, settings, consent) = asked(drive)?;
-    let mut recording = None;
     let mut connection = Connection::open_with(global, ender, |options| {
         options.settings = settings;
         options.tells_traffic = how.record.is_some();
     })?;
     let driven = connection.wait_for_motors().and_then(|()| {
         if let Some(file) = &how.record {
-            recording = Some(Recording::create(file, &connection)?);
+            connection.record(Some(file))?;
         }
         let motors = connection.motors.iter().copied();
         let command = starting::start(motors, setpoint, consent).map_err(usage)?;
         connection.driver.command(command);
-        hold(&connection, how.secs, recording.as_mut())
+        hold(&connection, how.secs)
     });
-    let stopped = connection.end_with(|at, entry| match &mut recording {
-        Some(recording) => recording.add(at, entry),
-        None => Ok(()),
-    });
+    let stopped = connection.end_with(|_| ());
     // Ctrl-C is the usual end of a drive.
     let driven = match driven {
         Err(Failure::Interrupted) => Ok(()),
         driven => driven,
     };
-    let done = most_serious(driven, stopped);
-    let recorded = recording.map_or(Ok(()), Recording::finish);
-    most_serious(recorded, done)
+    most_serious(driven, stopped)
 }
 
 /// Reads the setpoint, of a wheel that is not mirrored.
@@ -67,16 +60,8 @@ fn asked(drive: Drive) -> Result<(Setpoint, How, BusSettings, Consent), Failure>
             how,
         } => {
             settings.ramp = ramp;
-            let speed = SpeedTarget::new(value.or(rpm).unwrap_or_default()).map_err(usage)?;
-            let acceleration = Acceleration::new(accel);
-            (
-                Setpoint::Velocity {
-                    speed,
-                    acceleration,
-                },
-                how,
-                Consent::None,
-            )
+            let setpoint = rpm_setpoint(value.or(rpm).unwrap_or_default(), accel)?;
+            (setpoint, how, Consent::None)
         }
         Drive::Current {
             value,
@@ -84,31 +69,54 @@ fn asked(drive: Drive) -> Result<(Setpoint, How, BusSettings, Consent), Failure>
             high_current,
             how,
         } => {
-            let amps = value.or(amps).unwrap_or_default();
-            if !(-8.0..=8.0).contains(&amps) {
-                return Err(Failure::Usage("current: expected -8 to 8 A".to_owned()));
-            }
-            let target = CurrentTarget::from_amps(amps);
-            let setpoint = Setpoint::Current(target);
+            let setpoint = amps_setpoint(value.or(amps).unwrap_or_default())?;
             if needs_consent(setpoint) == Consent::HighCurrent && !high_current {
-                let text = format!("{target} is above 6.1 A: add --high-current to allow it");
+                let text = format!("{setpoint} is above 6.1 A: add --high-current to allow it");
                 return Err(Failure::Usage(text));
             }
             (setpoint, how, needs_consent(setpoint))
         }
         Drive::Position { value, deg, how } => {
-            let degrees = value.or(deg).unwrap_or_default();
-            if !(0.0..=360.0).contains(&degrees) {
-                return Err(Failure::Usage(
-                    "angle: expected 0 to 360 degrees".to_owned(),
-                ));
-            }
-            let target = PositionTarget::from_degrees(degrees);
-            (Setpoint::Position(target), how, Consent::None)
+            let setpoint = degrees_setpoint(value.or(deg).unwrap_or_default())?;
+            (setpoint, how, Consent::None)
         }
     };
     settings.rate = how.rate;
     Ok((setpoint, how, settings, consent))
+}
+
+/// A speed, and how gently the motor itself speeds up.
+///
+/// # Errors
+/// It is out of range.
+pub fn rpm_setpoint(rpm: i32, acceleration: u8) -> Result<Setpoint, Failure> {
+    Ok(Setpoint::Velocity {
+        speed: SpeedTarget::new(rpm).map_err(usage)?,
+        acceleration: Acceleration::new(acceleration),
+    })
+}
+
+/// A torque current.
+///
+/// # Errors
+/// It is out of range.
+pub fn amps_setpoint(amps: f32) -> Result<Setpoint, Failure> {
+    if !(-8.0..=8.0).contains(&amps) {
+        return Err(Failure::Usage("current: expected -8 to 8 A".to_owned()));
+    }
+    Ok(Setpoint::Current(CurrentTarget::from_amps(amps)))
+}
+
+/// An angle.
+///
+/// # Errors
+/// It is out of range.
+pub fn degrees_setpoint(degrees: f32) -> Result<Setpoint, Failure> {
+    if !(0.0..=360.0).contains(&degrees) {
+        let text = "angle: expected 0 to 360 degrees";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    Ok(Setpoint::Position(PositionTarget::from_degrees(degrees)))
 }
 
 fn usage(error: impl std::fmt::Display) -> Failure {
@@ -116,21 +124,14 @@ fn usage(error: impl std::fmt::Display) -> Failure {
 }
 
 /// Waits until the time is over, which counts from the moment at which all motors are driven.
-fn hold(
-    connection: &Connection,
-    secs: Option<Duration>,
-    mut recording: Option<&mut Recording>,
-) -> Result<(), Failure> {
+fn hold(connection: &Connection, secs: Option<Duration>) -> Result<(), Failure> {
     let shows = stdout().is_terminal();
     let model = connection.driver.model();
     let mut until = None;
     let mut was_lost = false;
     let mut draw_at = Instant::now();
     loop {
-        if let Happened::Entry(at, entry) = connection.next()? {
-            if let Some(recording) = &mut recording {
-                recording.add(at, &entry)?;
-            }
+        if let Happened::Entry(_, entry) = connection.next()? {
             was_lost |= matches!(entry, Entry::PortLost { .. });
             if ends_drive(&entry, was_lost) {
                 return Err(Failure::NotDone("the drive has ended".to_owned()));
@@ -180,7 +181,8 @@ fn draw(status: &Status, motors: &[SignedId], model: Model) {
 }
 
 /// Whether an entry ends the drive. What was driven when the port was lost is stopped when it is back, which ends it too.
-fn ends_drive(entry: &Entry, was_lost: bool) -> bool {
+#[must_use]
+pub fn ends_drive(entry: &Entry, was_lost: bool) -> bool {
     match entry {
         Entry::Event(Event::StopEnded(report)) => {
             was_lost && report.reason == StopReason::LeftDriven

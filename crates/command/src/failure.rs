@@ -30,7 +30,7 @@ impl Failure {
 
     /// A flag whose path cannot be used.
     #[cfg(unix)]
-    pub fn path(flag: &str, path: &Path, error: &io::Error) -> Self {
+    pub(crate) fn path(flag: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         Self::Usage(match error.kind() {
             io::ErrorKind::AlreadyExists => {
@@ -48,11 +48,12 @@ impl Failure {
 
     /// For `map_err`: the standard output cannot be written.
     #[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
-    pub fn output(error: io::Error) -> Self {
+    pub(crate) fn output(error: io::Error) -> Self {
         Self::NotDone(format!("standard output: {error}"))
     }
 
-    pub const fn exit_code(&self) -> u8 {
+    /// Its exit code.
+    pub(crate) const fn exit_code(&self) -> u8 {
         match self {
             Self::NotDone(_) | Self::Interrupted => NOT_DONE,
             Self::Usage(_) => USAGE,

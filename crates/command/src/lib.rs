@@ -2,6 +2,7 @@
 //!
 //! It is a library for the Python package, which brings the command too and records as it does.
 
+mod answering;
 mod arguments;
 mod confirm;
 mod connection;
@@ -10,11 +11,13 @@ mod drive;
 mod experiment;
 mod failure;
 mod info;
+mod manual;
 mod monitor;
 mod output;
 mod parsers;
 mod ports;
 mod raw;
+mod record;
 mod recording;
 mod scan;
 mod session;
@@ -37,6 +40,22 @@ use motorlink_driver::Ender;
 use motorlink_experiments::study::StudyKind;
 use motorlink_protocol::Acceleration;
 
+/// What the Python package uses.
+pub mod library {
+    pub use crate::{
+        arguments::Global,
+        connection::{Connection, Happened, Heard},
+        drive::{amps_setpoint, degrees_setpoint, ends_drive, rpm_setpoint},
+        experiment::{assign, file_study},
+        failure::Failure,
+        recording::unix_ms,
+        scan::scan,
+        set_id::{change as change_id, only_motor},
+        signed_id::SignedId,
+        starting::{adjust, start},
+    };
+}
+
 use arguments::{Action, Arguments};
 use failure::{DONE, Failure, NOT_DONE, USAGE};
 use output::say;
@@ -49,6 +68,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let arguments = match arguments.action {
         Action::Session { action } => return session::run(action),
+        Action::Completions { shell } => return exit(manual::completions(shell)),
+        Action::Man { folder } => return exit(manual::pages(&folder)),
         _ => arguments,
     };
     #[cfg(unix)]
@@ -120,9 +141,9 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
             let asked = experiment::Asked::Study(what.kind(), &set);
             experiment::run(&global, asked, &how, ender)
         }
-        Action::Record { file, secs } => recording::run(&global, &file, secs, ender),
+        Action::Record { file, secs } => record::run(&global, &file, secs, ender),
         // They need no line.
-        Action::Session { .. } => Ok(()),
+        Action::Session { .. } | Action::Completions { .. } | Action::Man { .. } => Ok(()),
         #[cfg(unix)]
         Action::Virtual(_) => Ok(()),
     }

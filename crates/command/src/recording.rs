@@ -8,18 +8,11 @@ use std::{
 };
 
 use motorlink_bus::{Event, StopReport};
-use motorlink_driver::{Ender, Entry};
+use motorlink_driver::Entry;
 use motorlink_protocol::Instant;
 use motorlink_session::{Event as Mark, EventKind, Writer};
 
-use crate::{
-    arguments::Global,
-    connection::{Connection, Happened, most_serious},
-    failure::Failure,
-    output::say,
-    watching::watch_found,
-    words,
-};
+use crate::{failure::Failure, words};
 
 /// Bytes of one write.
 const PIECE: usize = 64 << 10;
@@ -32,13 +25,12 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Creates the file.
+    /// Creates the file. `now` is the time of the driver.
     ///
     /// # Errors
     /// It exists, or cannot be written.
-    pub fn create(path: &Path, connection: &Connection) -> Result<Self, Failure> {
-        // A recording is not made twice.
-        let zero_us = zero_unix_us(connection.status()?.now);
+    pub fn create(path: &Path, now: Instant) -> Result<Self, Failure> {
+        let zero_us = zero_unix_us(now);
         let file = File::create_new(path).map_err(Failure::file(path))?;
         let about = [("program", concat!("motorlink ", env!("CARGO_PKG_VERSION")))];
         Ok(Self {
@@ -86,9 +78,7 @@ impl Recording {
     pub fn finish(mut self) -> Result<(), Failure> {
         let written = self.out.write_all(&self.writer.finish());
         let written = written.and_then(|()| self.out.flush());
-        written.map_err(Failure::file(&self.path))?;
-        say(format_args!("{}: recorded", self.path.display()));
-        Ok(())
+        written.map_err(Failure::file(&self.path))
     }
 }
 
@@ -102,6 +92,7 @@ fn stop_mark(report: &StopReport) -> Mark {
 }
 
 /// The wall clock now, in milliseconds since 1970.
+#[must_use]
 pub fn unix_ms() -> u64 {
     let unix = SystemTime::now().duration_since(UNIX_EPOCH);
     u64::try_from(unix.unwrap_or_default().as_millis()).unwrap_or_default()
@@ -114,40 +105,4 @@ pub fn zero_unix_us(now: Instant) -> i64 {
         .unwrap_or_default();
     let zero = unix.saturating_sub(Duration::from_micros(now.as_micros()));
     i64::try_from(zero.as_micros()).unwrap_or_default()
-}
-
-/// Records until the time is over or Ctrl-C.
-pub fn run(
-    global: &Global,
-    file: &Path,
-    secs: Option<Duration>,
-    ender: &Ender,
-) -> Result<(), Failure> {
-    let mut recording = None;
-    let mut connection =
-        Connection::open_with(global, ender, |options| options.tells_traffic = true)?;
-    let recorded = watch_found(&mut connection).and_then(|()| {
-        let recording = recording.insert(Recording::create(file, &connection)?);
-        say(format_args!(
-            "recording to {}; Ctrl-C ends it",
-            file.display()
-        ));
-        let begun = std::time::Instant::now();
-        while secs.is_none_or(|secs| begun.elapsed() < secs) {
-            if let Happened::Entry(at, entry) = connection.next()? {
-                recording.add(at, &entry)?;
-            }
-        }
-        Ok(())
-    });
-    let stopped = connection.end_with(|at, entry| match &mut recording {
-        Some(recording) => recording.add(at, entry),
-        None => Ok(()),
-    });
-    let recorded = match recorded {
-        Err(Failure::Interrupted) => Ok(()),
-        recorded => recorded,
-    };
-    let written = recording.map_or(Ok(()), Recording::finish);
-    most_serious(written.and(recorded), stopped)
 }

@@ -80,7 +80,7 @@ fn scan_for(
 /// Not every ID was asked.
 pub fn scan(connection: &Connection) -> Result<ScanReport, Failure> {
     connection.driver.command(Command::FullScan);
-    let shows = stderr().is_terminal();
+    let shows = connection.shows_progress() && stderr().is_terminal();
     let report = loop {
         match connection.next_within(Duration::from_millis(100))? {
             Happened::Entry(_, Entry::Event(Event::ScanEnded(report))) => break report,

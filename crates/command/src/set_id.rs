@@ -20,40 +20,44 @@ pub fn run(global: &Global, new: AssignableId, yes: bool, ender: &Ender) -> Resu
         global,
         ender,
         |_| (),
-        |connection| change(connection, new, yes),
+        |connection| {
+            let from = only_motor(connection)?;
+            let to = new.id();
+            if from == to {
+                say(format_args!("The motor has ID {from} already."));
+                return Ok(());
+            }
+            say(format_args!(
+                "The only motor on the bus has ID {from}. It keeps the new ID {to} without power."
+            ));
+            if !yes {
+                confirm_on(connection, "Change it?".to_owned())?;
+                // A person may have plugged in another motor meanwhile, and the proof has a minute.
+                if only_motor(connection)? != from {
+                    let text = "another motor is on the bus now";
+                    return Err(Failure::NotDone(text.to_owned()));
+                }
+            }
+            change(connection, from, new)?;
+            print(format_args!("Motor {from} has ID {to} now, verified."))
+        },
     )
 }
 
-fn change(connection: &Connection, new: AssignableId, yes: bool) -> Result<(), Failure> {
-    let from = only_motor(connection)?;
-    let to = new.id();
-    if from == to {
-        say(format_args!("The motor has ID {from} already."));
-        return Ok(());
-    }
-    say(format_args!(
-        "The only motor on the bus has ID {from}. It keeps the new ID {to} without power."
-    ));
-    if !yes {
-        confirm_on(connection, "Change it?".to_owned())?;
-        // A person may have plugged in another motor meanwhile, and the proof has a minute.
-        if only_motor(connection)? != from {
-            return Err(Failure::NotDone(
-                "another motor is on the bus now".to_owned(),
-            ));
-        }
-    }
+/// Changes the ID of the only motor on the bus, and verifies it.
+///
+/// # Errors
+/// It has not taken the ID, or that is not known.
+pub fn change(connection: &Connection, from: MotorId, new: AssignableId) -> Result<(), Failure> {
     let mut frames = SetIdFrames::default();
     loop {
         let outcome = set_id(connection, from, new, frames)?;
         match (outcome, frames.more()) {
-            (IdChangeOutcome::Changed, _) => {
-                return print(format_args!("Motor {from} has ID {to} now, verified."));
-            }
+            (IdChangeOutcome::Changed, _) => return Ok(()),
             // Some units want more frames in a row.
             (IdChangeOutcome::Kept { .. }, Some(more)) => {
                 let (sent, next) = (frames.count(), more.count());
-                say(format_args!(
+                connection.note(format!(
                     "It kept its ID after {sent} frames; trying {next}."
                 ));
                 frames = more;
@@ -65,7 +69,10 @@ fn change(connection: &Connection, new: AssignableId, yes: bool) -> Result<(), F
 }
 
 /// The only motor on the bus, by a full scan.
-fn only_motor(connection: &Connection) -> Result<MotorId, Failure> {
+///
+/// # Errors
+/// None answers, several answer, or noise leaves it open.
+pub fn only_motor(connection: &Connection) -> Result<MotorId, Failure> {
     let report = scan(connection)?;
     match report.found.as_slice() {
         [only] if report.noisy.is_empty() && report.fault.is_none() => Ok(*only),

@@ -8,12 +8,15 @@ use motorlink_protocol::MotorId;
 /// A motor, and whether its wheel is mounted the other way round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SignedId {
+    /// The motor.
     pub id: MotorId,
+    /// Its side.
     pub mirror: Mirror,
 }
 
 impl SignedId {
     /// A motor that is not mirrored.
+    #[must_use]
     pub const fn straight(id: MotorId) -> Self {
         Self {
             id,

@@ -1,6 +1,6 @@
-//! The programs that `motorlink-experiments` generates, run against virtual motors.
+//! The sketch that `motorlink-experiments` generates, run against virtual motors.
 //!
-//! Each one drives them, and stops them at its end, on Ctrl-C and on an error. A missing tool fails the test with
+//! It drives them, and stops them at its end, on Ctrl-C and on an error. A missing tool fails the test with
 //! a line that names it.
 
 use std::{
@@ -16,7 +16,7 @@ use std::{
 
 use crate::program::Program;
 use motorlink_experiments::{
-    generate::{Program as Generated, arduino, python},
+    generate::{Program as Generated, arduino},
     plan::{Fleet, Plan},
     sequence::{Sequence, Template},
 };
@@ -43,15 +43,6 @@ const PUSH: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "amps": 0.2, "for_s
 
 fn id(address: u8) -> MotorId {
     MotorId::new(address).unwrap()
-}
-
-/// A language: makes the command that runs the program of a plan.
-trait Language {
-    fn command(&self, dir: &Path, generated: &Generated<'_>, port: &Path) -> Command;
-    /// What a person types to start it.
-    fn consent(&self) -> &'static str {
-        ""
-    }
 }
 
 /// A program that runs, its output line by line.
@@ -150,46 +141,46 @@ fn until_in_loop(motors: &mut Program, id: u8, mode: &str) {
 }
 
 /// Starts the program of a sequence.
-fn start(language: &dyn Language, dir: &Path, text: &str, motors: &Program, ids: &str) -> Running {
+fn start(dir: &Path, text: &str, motors: &Program, ids: &str) -> Running {
     let mut fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
     // One wheel is on the right side.
     fleet.mirrored = vec![id(2)];
-    let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet).unwrap();
+    let sequence = Sequence::from_json(text).unwrap();
+    let plan = Plan::new(&sequence, &fleet).unwrap();
     fs::create_dir_all(dir).unwrap();
     let port = motors.slave.clone();
     let port_name = port.to_string_lossy().into_owned();
     let generated = Generated {
         plan: &plan,
-        name: "Test",
+        sequence: &sequence,
         port: &port_name,
     };
-    let command = language.command(dir, &generated, &port);
-    Running::start(command, language.consent())
+    Running::start(compiled(dir, &generated, &port), "y")
 }
 
 /// On a busy machine, replies come too late for a program, which then rightly stops. So it gets another
 /// attempt, at most three in all.
-fn drives_and_stops(language: &dyn Language) {
+fn drives_and_stops() {
     for attempt in 1..ATTEMPTS_MAX {
-        let tried = catch_unwind(AssertUnwindSafe(|| drive_and_stop(language)));
+        let tried = catch_unwind(AssertUnwindSafe(|| drive_and_stop()));
         if tried.is_ok() {
             return;
         }
         println!("attempt {attempt} of {ATTEMPTS_MAX} failed");
     }
-    drive_and_stop(language);
+    drive_and_stop();
 }
 
 /// A full run, one that is interrupted, one whose motor falls silent, and some in the current loop: with an adapter
 /// that sends back what it gets, too.
-fn drive_and_stop(language: &dyn Language) {
+fn drive_and_stop() {
     let dir = tempfile::tempdir().unwrap();
     let run_on = |name: &str,
                   text: &str,
                   (ids, flags): (&str, &[&str]),
                   act: &dyn Fn(&mut Program, &mut Running)| {
         let mut motors = Program::start(&[&["--ids", ids], flags].concat());
-        let mut running = start(language, &dir.path().join(name), text, &motors, ids);
+        let mut running = start(&dir.path().join(name), text, &motors, ids);
         running.until("running");
         act(&mut motors, &mut running);
         for id in ids.split(',') {
@@ -252,10 +243,10 @@ fn drive_and_stop(language: &dyn Language) {
 }
 
 /// A stop pressed while the motors are prepared for the position loop does not turn a wheel to 0 degrees.
-fn stopped_while_preparing(language: &dyn Language) {
+fn stopped_while_preparing() {
     let dir = tempfile::tempdir().unwrap();
     let mut motors = Program::start(&["--ids", "1,2"]);
-    let mut running = start(language, &dir.path().join("turn"), TURN, &motors, "1,2");
+    let mut running = start(&dir.path().join("turn"), TURN, &motors, "1,2");
     running.until("finished");
     for id in [1, 2] {
         assert_stands_at(&mut motors, id, 211.0);
@@ -263,7 +254,7 @@ fn stopped_while_preparing(language: &dyn Language) {
     }
     running.ends();
 
-    let mut running = start(language, &dir.path().join("stopped"), TURN, &motors, "1,2");
+    let mut running = start(&dir.path().join("stopped"), TURN, &motors, "1,2");
     for mode in ["position", "velocity", "position"] {
         until_in_loop(&mut motors, 1, mode);
     }
@@ -279,87 +270,53 @@ fn stopped_while_preparing(language: &dyn Language) {
 }
 
 /// The sentence that a person reads before the start, and no promise beside it.
-fn says_what_a_failure_leaves(language: &dyn Language) {
+fn says_what_a_failure_leaves() {
     let dir = tempfile::tempdir().unwrap();
     let motors = Program::start(&["--ids", "1"]);
-    drop(start(language, dir.path(), LONG, &motors, "1"));
-    let sources = ["sequence.py", "sequence.cpp"];
-    let mut sources = sources
-        .iter()
-        .filter_map(|it| fs::read_to_string(dir.path().join(it)).ok());
-    let source = sources.next().unwrap();
+    drop(start(dir.path(), LONG, &motors, "1"));
+    let source = fs::read_to_string(dir.path().join("sequence.cpp")).unwrap();
     assert!(source.contains(
         "If the cable or the computer fails, the wheel may keep turning. Only the power switch stops it then."
     ));
     assert!(!source.contains("coast"));
 }
 
-struct Python(PathBuf);
-
-impl Language for Python {
-    fn command(&self, dir: &Path, generated: &Generated<'_>, _: &Path) -> Command {
-        let file = dir.join("sequence.py");
-        fs::write(&file, python(generated)).unwrap();
-        let mut command = Command::new(&self.0);
-        command.arg(file).arg("--yes");
-        command
-    }
-}
-
-struct Arduino;
-
-impl Language for Arduino {
-    fn command(&self, dir: &Path, generated: &Generated<'_>, port: &Path) -> Command {
-        let file = dir.join("sequence.cpp");
-        fs::write(&file, arduino(generated)).unwrap();
-        let stub = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/generated");
-        let program = dir.join("sequence");
-        let flags = [
-            "-std=c++17",
-            "-O1",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-I",
-            stub,
-            "-o",
-        ];
-        let mut compiler = Command::new("g++");
-        compiler.args(flags).arg(&program).arg(&file);
-        crate::tools::run(
-            &mut compiler,
-            "g++ is missing: install it (Debian: apt-get install g++)",
-        );
-        let mut command = Command::new(program);
-        command.env("PORT", port);
-        command
-    }
-
-    fn consent(&self) -> &'static str {
-        "y"
-    }
-}
-
-#[test]
-fn the_python_program_drives_and_stops() {
-    drives_and_stops(&Python(crate::tools::python()));
-}
-
-#[test]
-fn the_python_program_stopped_while_it_prepares_turns_no_wheel() {
-    stopped_while_preparing(&Python(crate::tools::python()));
-    says_what_a_failure_leaves(&Python(crate::tools::python()));
+/// Compiles the sketch for this computer. A person types y to start it.
+fn compiled(dir: &Path, generated: &Generated<'_>, port: &Path) -> Command {
+    let file = dir.join("sequence.cpp");
+    fs::write(&file, arduino(generated)).unwrap();
+    let stub = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/generated");
+    let program = dir.join("sequence");
+    let flags = [
+        "-std=c++17",
+        "-O1",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-I",
+        stub,
+        "-o",
+    ];
+    let mut compiler = Command::new("g++");
+    compiler.args(flags).arg(&program).arg(&file);
+    crate::tools::run(
+        &mut compiler,
+        "g++ is missing: install it (Debian: apt-get install g++)",
+    );
+    let mut command = Command::new(program);
+    command.env("PORT", port);
+    command
 }
 
 #[test]
 fn the_arduino_sketch_stopped_while_it_prepares_turns_no_wheel() {
-    stopped_while_preparing(&Arduino);
-    says_what_a_failure_leaves(&Arduino);
+    stopped_while_preparing();
+    says_what_a_failure_leaves();
 }
 
 #[test]
 fn the_arduino_sketch_drives_and_stops() {
-    drives_and_stops(&Arduino);
+    drives_and_stops();
 }
 
 #[test]

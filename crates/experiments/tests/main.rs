@@ -17,6 +17,7 @@ mod measured;
 mod mirrored;
 mod noisy_runs;
 mod odometry_angle;
+mod python_program;
 mod random_sequences;
 mod run_fixture;
 mod runs;

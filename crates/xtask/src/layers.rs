@@ -24,9 +24,10 @@ use crate::workspace::Workspace;
 const PAGE: [&str; 5] = ["app", "features", "model", "link", "ui"];
 
 /// The crates, from the top down. Those of one row do not use each other.
-const CRATES: [&[&str]; 10] = [
+const CRATES: [&[&str]; 11] = [
     &["motorlink-fuzz-checks", "end-to-end", "xtask"],
     &["motorlink"],
+    &["motorlink-python"],
     &["motorlink-worker", "motorlink-command"],
     &["motorlink-fault-simulation", "motorlink-driver"],
     &["motorlink-session"],

@@ -40,6 +40,12 @@ const FIGURES: Environment = Environment {
     packages: &["control==0.10.2", "numpy==2.2.6", "scipy==1.15.3"],
 };
 
+/// For the Python package: what builds its wheel, and what its readings become.
+const PACKAGE: Environment = Environment {
+    name: "python-package-1",
+    packages: &["maturin==1.16.0", "numpy==2.2.6"],
+};
+
 const CSV_TESTS: &str = "recorder";
 
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
@@ -47,6 +53,46 @@ pub fn read_session(workspace: &Workspace) -> Result<()> {
     let foxglove = npm::MCAP_OF_FOXGLOVE.folder()?;
     let mut test = ignored_tests(workspace, "session", &SESSION_READERS)?;
     process::run(test.env("MOTORLINK_FOXGLOVE", foxglove))
+}
+
+/// Builds the wheel of the Python package, installs it into a folder of its own, and runs its tests.
+pub fn test_package(workspace: &Workspace) -> Result<()> {
+    let python = ensure(&PACKAGE)?;
+    let root = workspace.root();
+    let package = root.join("crates/python");
+    let folder = root.join("target/python-package");
+    // An earlier wheel is not installed instead.
+    let _ = fs::remove_dir_all(&folder);
+    let mut build = Command::new(&python);
+    build
+        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
+        .arg("--target-dir")
+        .arg(root.join("target"))
+        .arg("--manifest-path")
+        .arg(package.join("Cargo.toml"))
+        .arg("--out")
+        .arg(&folder);
+    process::run(&mut build)?;
+    let wheel = fs::read_dir(&folder)?
+        .next()
+        .context("no wheel was built")??;
+    let installed = folder.join("installed");
+    let mut install = Command::new(&python);
+    install
+        .args(["-m", "pip", "install", "--quiet", "--no-index", "--no-deps"])
+        .args(["--disable-pip-version-check", "--target"])
+        .arg(&installed)
+        .arg(wheel.path());
+    process::run(&mut install)?;
+    process::run(&mut cargo::command(
+        workspace,
+        &["build", "--package", "motorlink-command"],
+    ))?;
+    let mut test = Command::new(&python);
+    test.arg(package.join("tests/test_motorlink.py"))
+        .env("PYTHONPATH", &installed)
+        .env("MOTORLINK", root.join("target/debug/motorlink"));
+    process::run(&mut test)
 }
 
 /// Lets Python's csv module and pandas read the CSV files that the page exports.

@@ -81,6 +81,14 @@ pub static SUITE: Suite = Suite {
             run: python::compute_figures,
         },
         Step {
+            name: "python-package",
+            about: "the Python package: its wheel, its tests on virtual motors, and its examples",
+            needs: &[],
+            beside: Some("wasm"),
+            on_request: false,
+            run: python::test_package,
+        },
+        Step {
             name: "csv-in-libreoffice",
             about: "LibreOffice opens the exported CSV files",
             needs: &[],

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use motorlink_experiments::{
-    sequence::{Sequence, from_csv},
+    sequence::{Sequence, SequenceError, from_csv},
     study::{Study, StudyKind},
 };
 use motorlink_protocol::{Acceleration, MotorId};
@@ -48,10 +48,8 @@ impl<'a> Asked<'a> {
                     .is_some_and(|end| end.eq_ignore_ascii_case("csv"));
                 let study = if is_csv {
                     from_csv(&text, &[]).map(Study::Sequence)
-                } else if text.contains("\"motorlink_study\"") {
-                    Study::from_json(&text)
                 } else {
-                    Sequence::from_json(&text).map(Study::Sequence)
+                    file_study(&text)
                 };
                 let study = study
                     .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
@@ -77,6 +75,18 @@ impl StudyOf<'_> {
                 Ok(study)
             }
         }
+    }
+}
+
+/// The study of a file: a sequence or a study, as JSON.
+///
+/// # Errors
+/// [`SequenceError`] names the place that does not fit.
+pub fn file_study(text: &str) -> Result<Study, SequenceError> {
+    if text.contains("\"motorlink_study\"") {
+        Study::from_json(text)
+    } else {
+        Sequence::from_json(text).map(Study::Sequence)
     }
 }
 

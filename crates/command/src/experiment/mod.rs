@@ -20,7 +20,7 @@ use motorlink_experiments::{kept::figures_to_json, plan::Fleet, runner::End};
 use motorlink_protocol::MotorId;
 use motorlink_runs::RecordedRun;
 
-pub use asked::Asked;
+pub use asked::{Asked, assign, file_study};
 pub use figures::to_text;
 
 use crate::{
@@ -29,7 +29,7 @@ use crate::{
     connection::{Connection, Happened, most_serious},
     failure::Failure,
     output::{print, say},
-    recording::{Recording, unix_ms},
+    recording::unix_ms,
     signed_id::SignedId,
 };
 
@@ -43,14 +43,13 @@ pub fn run(global: &Global, asked: Asked<'_>, how: &RunHow, ender: &Ender) -> Re
         std::fs::create_dir_all(folder).map_err(Failure::file(folder))?;
     }
     let study = asked.read()?;
-    let mut recording = None;
     let mut connection = Connection::open_with(global, ender, |options| {
         options.tells_traffic = how.record.is_some();
     })?;
     let mut experiment = None;
     let ran = connection.wait_for_motors().and_then(|()| {
         if let Some(file) = &how.record {
-            recording = Some(Recording::create(file, &connection)?);
+            connection.record(Some(file))?;
         }
         let run = checked(&connection, &study, how)?;
         if !how.yes {
@@ -60,23 +59,18 @@ pub fn run(global: &Global, asked: Asked<'_>, how: &RunHow, ender: &Ender) -> Re
         let driver = &connection.driver;
         let experiment = experiment.insert(Experiment::arm(driver, run));
         experiment.start(driver, &connection.status()?);
-        follow(&connection, experiment, recording.as_mut())
+        follow(&connection, experiment)
     });
-    let stopped = connection.end_with(|at, entry| {
+    let stopped = connection.end_with(|entry| {
         if let Some(experiment) = &mut experiment {
             experiment.record(entry);
         }
-        match &mut recording {
-            Some(recording) => recording.add(at, entry),
-            None => Ok(()),
-        }
     });
-    let recorded = recording.map_or(Ok(()), Recording::finish);
     let shown = match experiment {
         Some(experiment) => show(experiment.run(), how),
         None => Ok(()),
     };
-    most_serious(ran.and(recorded).and(shown), stopped)
+    most_serious(ran.and(shown), stopped)
 }
 
 /// Checks what is asked against the motors of the line.
@@ -101,22 +95,13 @@ fn checked(
 }
 
 /// Follows the run to its end.
-fn follow(
-    connection: &Connection,
-    experiment: &mut Experiment,
-    mut recording: Option<&mut Recording>,
-) -> Result<(), Failure> {
+fn follow(connection: &Connection, experiment: &mut Experiment) -> Result<(), Failure> {
     let shows = stderr().is_terminal();
     let mut draw_at = Instant::now();
     loop {
         let happened = connection.next()?;
         let entry = match &happened {
-            Happened::Entry(at, entry) => {
-                if let Some(recording) = &mut recording {
-                    recording.add(*at, entry)?;
-                }
-                Some(entry)
-            }
+            Happened::Entry(_, entry) => Some(entry),
             Happened::Nothing => None,
         };
         let progress = experiment.take(&connection.driver, entry);

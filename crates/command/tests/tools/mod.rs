@@ -13,7 +13,7 @@ const REQUIREMENTS: &str = concat!(
     "/tests/generated/requirements.txt"
 );
 /// The name of the environment, which changes with its packages.
-const ENVIRONMENT: &str = "python-pyserial-3.5-pyyaml-6.0.2-fastjsonschema-2.21.1-urdf-0.0.4";
+const ENVIRONMENT: &str = "python-pyyaml-6.0.2-fastjsonschema-2.21.1-urdf-0.0.4";
 
 /// Runs a program to its end, and returns what it prints; `missing` is what to say where there is none.
 pub fn run(command: &mut Command, missing: &str) -> String {

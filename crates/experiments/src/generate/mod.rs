@@ -1,19 +1,24 @@
-//! Generates standalone programs from a sequence, and the files of a robot for ROS 2.
+//! Generates programs from a sequence, and the files of a robot for ROS 2.
 //!
-//! Each program asks before it moves anything. It sends setpoints as the runner does, and checks the limits of the
+//! Each program asks before it moves anything. That in Python needs the package `motorlink`. The sketch for Arduino stands
+//! alone: it sends setpoints as the runner does, and checks the limits of the
 //! run, faults and silence. At its end, on an error and on Ctrl-C it stops every motor: it switches to the velocity
 //! loop until the motor reports it, and brakes until three replies in a row report a standstill.
 
+mod python;
 mod ros2;
 mod rows;
 
 use std::fmt::Write;
 
+pub use python::python;
 pub use ros2::{Robot, RobotFiles, UnevenSides, ros2};
 
-use crate::plan::{Plan, PlanMotor};
+use crate::{
+    plan::{Plan, PlanMotor},
+    sequence::Sequence,
+};
 
-const PYTHON: &str = include_str!("program.py");
 const ARDUINO: &str = include_str!("program.ino");
 
 /// Time for one exchange with a motor, which takes 2.4 ms, with a margin for a slow adapter.
@@ -26,31 +31,10 @@ const PERIOD_MIN_MS: usize = 10;
 pub struct Program<'a> {
     /// The plan to run.
     pub plan: &'a Plan,
-    /// The name of the sequence.
-    pub name: &'a str,
+    /// The sequence that it was made of.
+    pub sequence: &'a Sequence,
     /// The serial port, such as `/dev/ttyUSB0`.
     pub port: &'a str,
-}
-
-/// A Python program for `pyserial`.
-#[must_use]
-pub fn python(program: &Program<'_>) -> String {
-    let motors = program.plan.motors.iter();
-    let motors = motors.map(|motor| {
-        format!(
-            "({}, {}, {})",
-            motor.id.get(),
-            motor.mode().byte(),
-            sign(motor)
-        )
-    });
-    fill(
-        PYTHON,
-        program,
-        &lines(motors),
-        &rows::python(program.plan),
-        "None",
-    )
 }
 
 /// An Arduino sketch for an ESP32 with an RS485 transceiver.
@@ -65,13 +49,7 @@ pub fn arduino(program: &Program<'_>) -> String {
             sign(motor)
         )
     });
-    fill(
-        ARDUINO,
-        program,
-        &lines(motors),
-        &rows::arduino(program.plan),
-        "-1",
-    )
+    fill(program, &lines(motors), &rows::arduino(program.plan))
 }
 
 /// The sign of speeds and currents on the wire.
@@ -89,13 +67,13 @@ fn lines(items: impl Iterator<Item = String>) -> String {
     text
 }
 
-/// Fills the placeholders of a program's template. `none` is the text of a limit that is not set.
-fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str) -> String {
+/// Fills the placeholders of the sketch.
+fn fill(program: &Program<'_>, motors: &str, rows: &str) -> String {
     let plan = program.plan;
-    let limit = |limit: Option<f64>| limit.map_or(none.to_owned(), |limit| format!("{limit:?}"));
+    let limit = |limit: Option<f64>| limit.map_or("-1".to_owned(), |limit| format!("{limit:?}"));
     let period_ms = (plan.motors.len() * EXCHANGE_MS).max(PERIOD_MIN_MS);
     let parts = [
-        ("@NAME@", plain(program.name)),
+        ("@NAME@", plain(&program.sequence.name)),
         ("@PORT@", plain(program.port)),
         ("@WHAT@", plan.to_string()),
         ("@MOTOR_COUNT@", plan.motors.len().to_string()),
@@ -106,8 +84,8 @@ fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str)
         ("@LIMIT_CELSIUS@", limit(plan.limits.celsius)),
     ];
     let put = |text: String, (name, part): &(&str, String)| text.replace(name, part);
-    let text = parts.iter().fold(text.to_owned(), put);
-    // A list replaces a whole line, which is a comment in each language.
+    let text = parts.iter().fold(ARDUINO.to_owned(), put);
+    // A list replaces a whole line, which is a comment.
     let list = |text: String, name: &str, list: &str| {
         let mut filled = String::new();
         for line in text.lines() {

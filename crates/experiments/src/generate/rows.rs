@@ -1,4 +1,4 @@
-//! The instructions of a plan as a table in each language.
+//! The instructions of a plan as the table of the sketch.
 
 use crate::{
     plan::{Op, Plan, PlannedMove},
@@ -117,7 +117,7 @@ impl Row {
         }
     }
 
-    /// The columns in the order of every program. Motors are one bit each.
+    /// The columns in the order of the sketch. Motors are one bit each.
     fn columns(&self) -> String {
         let motors: u32 = self.motors.iter().map(|motor| 1 << motor).sum();
         format!(
@@ -138,15 +138,7 @@ impl Row {
     }
 }
 
-fn table(plan: &Plan, open: &str, close: &str) -> String {
-    let rows = plan.program.iter().map(Row::of);
-    super::lines(rows.map(|row| format!("{open}{}{close}", row.columns())))
-}
-
-pub(super) fn python(plan: &Plan) -> String {
-    table(plan, "(", ")")
-}
-
 pub(super) fn arduino(plan: &Plan) -> String {
-    table(plan, "{", "}")
+    let rows = plan.program.iter().map(Row::of);
+    super::lines(rows.map(|row| format!("{{{}}}", row.columns())))
 }

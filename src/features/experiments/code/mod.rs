@@ -63,8 +63,8 @@ impl Code {
 type Files = Result<Vec<(&'static str, String)>, String>;
 
 fn files(of: Experiments, code: Code) -> Files {
-    // Another model has other frames, and speeds in other units.
-    if of.page.model.get() != Model::Ddsm115 {
+    // Another model has other frames, and speeds in other units. The Python package knows them.
+    if code != Code::Python && of.page.model.get() != Model::Ddsm115 {
         return Err(
             tr!("The code is for the DDSM115. Choose that model in the settings.").to_owned(),
         );
@@ -85,7 +85,7 @@ fn program(of: Experiments, language: fn(&Program<'_>) -> String) -> Result<Stri
     let plan = of.fleet.with(|fleet| Plan::new(&sequence, fleet));
     Ok(language(&Program {
         plan: &plan.map_err(refused)?,
-        name: &sequence.name,
+        sequence: &sequence,
         port: PORT,
     }))
 }

@@ -1,0 +1,339 @@
+"""Drives hub motors DDSM115 (M0601), DDSM315, DDSM210 and DDSM400 on a serial port.
+
+    import motorlink
+
+    with motorlink.open("/dev/ttyUSB0") as bus:      # or motorlink.virtual(ids=[1, 2])
+        wheel = bus.motor(1)
+        wheel.drive(rpm=100)
+        for reading in wheel.readings(seconds=2):
+            print(reading.speed_rpm, reading.current_a, reading.temperature_c)
+    # Leaving the block stops the motors and confirms it: see bus.last_stop.
+
+The loop runs in Rust, at up to 500 setpoints a second to each motor, whatever the interpreter does. A program that does not
+call the bus for a second has its motors stopped: wait with `bus.sleep`, or open with `keepalive=False`. If the program is
+killed, many motors keep their last command for ever; the next program on that adapter stops them first. The power switch
+is the only emergency stop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+import time
+from collections.abc import AsyncIterator, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from . import _motorlink
+from ._motorlink import Error, InvalidInput, NotDone, Reading
+
+__all__ = [
+    "Bus",
+    "Error",
+    "Group",
+    "InvalidInput",
+    "Motor",
+    "NotDone",
+    "Reading",
+    "Run",
+    "Stop",
+    "open",
+    "virtual",
+]
+
+#: How long a call waits for readings before it looks at the clock again, in seconds.
+_STEP_S = 0.05
+
+
+@dataclass(frozen=True)
+class Stop:
+    """What a stop has shown."""
+
+    #: Motors that reported standstill.
+    confirmed: list[int] = field(default_factory=list)
+    #: Motors that did not: cut their power.
+    may_turn: list[int] = field(default_factory=list)
+
+    def __bool__(self) -> bool:
+        """Whether every motor stands."""
+        return not self.may_turn
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of an experiment. docs/experiments.md explains the figures."""
+
+    #: Why it was aborted; None if it finished.
+    aborted: str | None
+    #: A dict for each motor, step or frequency, and one for each other study. None is unknown.
+    figures: list[dict[str, Any]]
+    #: The whole run as JSON, as the page and the command write it.
+    json: str
+    #: Setpoints and samples as CSV.
+    csv: str
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes run-N.json and run-N.csv to a folder."""
+        number = json.loads(self.json)["number"]
+        stem = os.path.join(folder, f"run-{number}")
+        for end, text in (("json", self.json), ("csv", self.csv)):
+            with _builtin_open(f"{stem}.{end}", "w", encoding="utf-8") as file:
+                file.write(text)
+
+
+class Group:
+    """Motors that are driven together. A mirrored one turns the other way round; its readings have the sign of its side."""
+
+    def __init__(self, bus: Bus, motors: Sequence[tuple[int, bool]]) -> None:
+        self._bus = bus
+        self._motors = list(motors)
+
+    @property
+    def ids(self) -> list[int]:
+        """The IDs."""
+        return [motor for motor, _ in self._motors]
+
+    def drive(
+        self,
+        *,
+        rpm: float | None = None,
+        amps: float | None = None,
+        degrees: float | None = None,
+        acceleration: int = 0,
+        high_current: bool = False,
+    ) -> None:
+        """Drives at a speed (rpm), a torque current (A), or to an angle (0 to 360 degrees), until the next command.
+
+        The first call returns when every motor is driven: one that turns in another loop is stopped and switched first.
+        Further calls in that loop change the setpoint at once. `acceleration` is how gently the motor itself speeds up, 0 to
+        255; more is gentler. A current above 6.1 A needs `high_current=True`.
+        """
+        asked = {"rpm": rpm, "amps": amps, "degrees": degrees}
+        given = [(name, value) for name, value in asked.items() if value is not None]
+        if len(given) != 1:
+            raise InvalidInput("drive: give one of rpm, amps, degrees")
+        name, value = given[0]
+        self._bus._line.drive(self._motors, name, float(value), acceleration, high_current)
+
+    def stop(self) -> Stop:
+        """Stops the motors until each reports standstill."""
+        return self._bus._stopped(self._bus._line.stop(self.ids), self.ids)
+
+    def readings(self, seconds: float | None = None) -> Iterator[Reading]:
+        """The readings as they come, for so long, or for ever. Raises NotDone if the drive ends by itself."""
+        line = self._bus._line
+        reader = line.begin_reading(self.ids)
+        try:
+            begun = time.monotonic()
+            while (left := _left(begun, seconds)) > 0:
+                yield from line.take_readings(reader, min(left, _STEP_S))
+        finally:
+            line.end_reading(reader)
+
+    async def readings_async(self, seconds: float | None = None) -> AsyncIterator[Reading]:
+        """The same for `async for`."""
+        line = self._bus._line
+        reader = line.begin_reading(self.ids)
+        try:
+            begun = time.monotonic()
+            while (left := _left(begun, seconds)) > 0:
+                wait = min(left, _STEP_S)
+                for reading in await asyncio.to_thread(line.take_readings, reader, wait):
+                    yield reading
+        finally:
+            line.end_reading(reader)
+
+    def collect(self, seconds: float) -> Any:
+        """The readings of so many seconds as a dict of numpy arrays by name. What was not told is NaN. Needs numpy."""
+        import numpy
+
+        names = ("time_s", "motor", "speed_rpm", "current_a", "angle_deg", "temperature_c")
+        readings = list(self.readings(seconds))
+        return {
+            name: numpy.array([getattr(reading, name) for reading in readings], dtype=float)
+            for name in names
+        }
+
+    def run(self, sequence: str | dict[str, Any], *, rate_hz: int = 200) -> Run:
+        """Runs a sequence or a study: its JSON text, or the same as a dict. The wheels turn."""
+        text = sequence if isinstance(sequence, str) else json.dumps(sequence)
+        return self._run(text, rate_hz)
+
+    def _run(self, asked: Any, rate_hz: int) -> Run:
+        aborted, figures, whole, csv = self._bus._line.run(asked, self._motors, rate_hz)
+        return Run(aborted, json.loads(figures)["figures"], whole, csv)
+
+
+class Motor(Group):
+    """One motor."""
+
+    @property
+    def id(self) -> int:
+        """The ID."""
+        return self.ids[0]
+
+    @property
+    def reading(self) -> Reading | None:
+        """Its last reading; None before the first."""
+        return self._bus._line.latest(self.id)
+
+    def step(self, *, rate_hz: int = 200, **parameters: float | Sequence[float]) -> Run:
+        """Measures the step response, such as `step(to_rpm=120, repeats=3)`. The wheel turns."""
+        return self._study("step_response", rate_hz, parameters)
+
+    def sweep(self, *, rate_hz: int = 200, **parameters: float) -> Run:
+        """Measures the frequency response, such as `sweep(highest_hz=10, points=11)`. The wheel turns."""
+        return self._study("frequency_response", rate_hz, parameters)
+
+    def characterise(self, study: str, *, rate_hz: int = 200, **parameters: float) -> Run:
+        """Measures friction, coast_down, heating, torque_speed or when_frames_cease. The wheel turns."""
+        return self._study(study, rate_hz, parameters)
+
+    def _study(self, name: str, rate_hz: int, parameters: dict[str, Any]) -> Run:
+        def values(value: Any) -> list[float]:
+            several = isinstance(value, (list, tuple))
+            return [float(one) for one in (value if several else [value])]
+
+        return self._run((name, [(key, values(one)) for key, one in parameters.items()]), rate_hz)
+
+
+class Bus:
+    """An open line of motors. Use it in a `with` or `async with` block, which stops the motors at its end."""
+
+    def __init__(self, line: _motorlink.Line) -> None:
+        self._line = line
+        #: What the last stop has shown; None before one.
+        self.last_stop: Stop | None = None
+
+    def __enter__(self) -> Bus:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    async def __aenter__(self) -> Bus:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await asyncio.to_thread(self.close)
+
+    @property
+    def model(self) -> str:
+        """The model of the motors, such as ddsm115."""
+        return self._line.model()
+
+    def motor(self, id: int | None = None, *, mirrored: bool = False) -> Motor:
+        """The motor with this ID, once it has answered; without an ID, the only one that answers."""
+        if id is None:
+            id = self._line.only_motor()
+        self._line.watch((id, mirrored))
+        return Motor(self, [(id, mirrored)])
+
+    def group(self, *ids: int) -> Group:
+        """Motors that are driven together, such as `group(1, -2)`: a minus mirrors one."""
+        motors = [(abs(id), id < 0) for id in ids]
+        for motor in motors:
+            self._line.watch(motor)
+        return Group(self, motors)
+
+    def stop(self) -> Stop:
+        """Stops all motors until each reports standstill. Then they may be driven again."""
+        stop = self._stopped(self._line.stop(None), [])
+        self._line.release()
+        return stop
+
+    def release(self) -> None:
+        """Allows driving again after the bus has stopped all motors by itself."""
+        self._line.release()
+
+    def sleep(self, seconds: float) -> None:
+        """Waits while the motors are driven on. Raises NotDone if the drive ends by itself."""
+        self._line.wait(seconds)
+
+    def limits(
+        self,
+        *,
+        rpm: int = 330,
+        amps: float = 2.7,
+        celsius: int = 75,
+        ramp_rpm_s: int | None = None,
+        rate_hz: int = 50,
+    ) -> None:
+        """Sets limits: a driven motor that exceeds one is stopped. `ramp_rpm_s` is how fast a commanded speed may grow, and
+        `rate_hz` the setpoints a second to each motor, 1 to 500.
+        """
+        self._line.configure((rate_hz, ramp_rpm_s, (rpm, amps, celsius)))
+
+    def scan(self) -> list[int]:
+        """The IDs that answer: every ID is asked, in two seconds."""
+        return self._line.scan()
+
+    def set_id(self, new: int) -> int:
+        """Gives the only motor on the bus another ID, which it keeps without power, and verifies it. Returns the ID before."""
+        return self._line.set_id(new)
+
+    def record(self, file: str | os.PathLike[str] | None) -> None:
+        """Records the line to a session file (.mcap), which the page replays, until the end; None ends it before."""
+        self._line.record(file)
+
+    def notes(self) -> list[str]:
+        """What a person should know, since the last call."""
+        return self._line.take_notes()
+
+    def close(self) -> None:
+        """Stops the motors, waits until they stand, and closes the line."""
+        stopped, may_turn = self._line.close()
+        if stopped or may_turn:
+            self.last_stop = Stop([motor for motor, stands in stopped if stands], may_turn)
+
+    def _stopped(self, told: list[tuple[int, bool]], asked: list[int]) -> Stop:
+        confirmed = [motor for motor, stands in told if stands]
+        others = [motor for motor, stands in told if not stands]
+        others += [motor for motor in asked if motor not in confirmed and motor not in others]
+        self.last_stop = Stop(confirmed, others)
+        return self.last_stop
+
+
+_builtin_open = open
+
+
+def open(  # noqa: A001: the name that one expects
+    port: str | None = None,
+    *,
+    model: str | None = None,
+    rate_hz: int = 50,
+    keepalive: bool = True,
+    timeout: float = 1.0,
+) -> Bus:
+    """Opens a serial port, or the only USB adapter. What an earlier program left running is stopped first.
+
+    `model` is ddsm115, ddsm315, ddsm210, ddsm400 or the maker's name; without it, the replies tell it. `rate_hz` is the
+    setpoints a second to each motor, 1 to 500. With `keepalive`, a program that does not call the bus for a second has its
+    motors stopped. `timeout` is the time for the first reply of a motor, in seconds.
+    """
+    settings = (rate_hz, None, (330, 2.7, 75))
+    return Bus(_motorlink.Line.open(port, model, [], None, keepalive, settings, timeout))
+
+
+def virtual(
+    ids: Sequence[int] = (1,),
+    *,
+    model: str = "ddsm115",
+    rate_hz: int = 50,
+    keepalive: bool = True,
+) -> Bus:
+    """Virtual motors in this process, without hardware."""
+    settings = (rate_hz, None, (330, 2.7, 75))
+    motors = [(id, False) for id in ids]
+    return Bus(_motorlink.Line.open(None, model, motors, list(ids), keepalive, settings, 1.0))
+
+
+def command() -> None:
+    """The command `motorlink`."""
+    sys.exit(_motorlink.command(sys.argv))
+
+
+def _left(begun: float, seconds: float | None) -> float:
+    return _STEP_S if seconds is None else seconds - (time.monotonic() - begun)
