@@ -35,7 +35,7 @@ pub struct Connection {
 /// Takes what happens on a line in place of the terminal.
 pub type Listener = Box<dyn FnMut(Heard<'_>) + Send>;
 
-/// What a [`Listener`] takes.
+/// What a listener takes.
 pub enum Heard<'a> {
     /// An entry.
     Entry(motorlink_protocol::Instant, &'a Entry),

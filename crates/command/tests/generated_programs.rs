@@ -6,8 +6,8 @@
 use std::{
     fs,
     io::{BufRead, BufReader, Write},
-    panic::{AssertUnwindSafe, catch_unwind},
-    path::{Path, PathBuf},
+    panic::catch_unwind,
+    path::Path,
     process::{Child, ChildStdin, Command, Stdio},
     sync::mpsc::{Receiver, channel},
     thread,
@@ -162,7 +162,7 @@ fn start(dir: &Path, text: &str, motors: &Program, ids: &str) -> Running {
 /// attempt, at most three in all.
 fn drives_and_stops() {
     for attempt in 1..ATTEMPTS_MAX {
-        let tried = catch_unwind(AssertUnwindSafe(|| drive_and_stop()));
+        let tried = catch_unwind(drive_and_stop);
         if tried.is_ok() {
             return;
         }

@@ -9,8 +9,7 @@ use pyo3::prelude::*;
 
 use crate::{
     errors::{InvalidInput, NotDone},
-    line::Line,
-    shared::{STEP, locked},
+    shared::{STEP, Shared, locked},
 };
 
 /// How long a start may take: a stop, a switch of the loop, and the first setpoint.
@@ -20,7 +19,7 @@ pub const STOP_MAX: Duration = Duration::from_secs(5);
 
 /// Drives motors, or changes what is driven. Returns when all of them are driven.
 pub fn drive(
-    line: &Line,
+    line: &Shared,
     py: Python<'_>,
     motors: &[SignedId],
     setpoint: Setpoint,
@@ -71,7 +70,7 @@ pub fn drive(
 }
 
 /// Stops these motors, or all. Returns which of them confirmed their standstill.
-pub fn stop(line: &Line, py: Python<'_>, ids: Option<&[MotorId]>) -> PyResult<Vec<(u8, bool)>> {
+pub fn stop(line: &Shared, py: Python<'_>, ids: Option<&[MotorId]>) -> PyResult<Vec<(u8, bool)>> {
     locked(&line.news).stops.clear();
     line.on(py, |connection| {
         match &ids {

@@ -17,7 +17,7 @@ use crate::{
     errors::{NotDone, exception},
     heard::News,
     reading::Reading,
-    shared::{STEP, locked},
+    shared::{STEP, Shared, locked},
     study::{Asked, Outcome, begin},
     values::{Settings, bus_settings, id, invalid, setpoint, signed},
 };
@@ -27,10 +27,7 @@ type Stopped = (Vec<(u8, bool)>, Vec<u16>);
 
 /// An open line. The motors are stopped when it is closed or dropped.
 #[pyclass(frozen)]
-pub struct Line {
-    pub(crate) connection: Arc<Mutex<Option<Connection>>>,
-    pub(crate) news: Arc<Mutex<News>>,
-}
+pub struct Line(Shared);
 
 #[pymethods]
 #[expect(
@@ -86,19 +83,19 @@ impl Line {
         for motor in &connection.motors {
             locked(&news).mirrors.insert(motor.id, motor.mirror);
         }
-        let line = Self {
+        let line = Shared {
             connection: Arc::new(Mutex::new(Some(connection))),
             news,
         };
         if !keepalive {
             line.keep_alive();
         }
-        Ok(line)
+        Ok(Self(line))
     }
 
     /// The model of the motors.
     fn model(&self, py: Python<'_>) -> PyResult<String> {
-        self.on(py, |connection| {
+        self.0.on(py, |connection| {
             Ok(connection.driver.model().spec().key.to_owned())
         })
     }
@@ -106,8 +103,8 @@ impl Line {
     /// Watches a motor, and waits for its first reply.
     fn watch(&self, py: Python<'_>, motor: (u8, bool)) -> PyResult<()> {
         let motor = signed(motor)?;
-        locked(&self.news).mirrors.insert(motor.id, motor.mirror);
-        self.on_mut(py, |connection| {
+        locked(&self.0.news).mirrors.insert(motor.id, motor.mirror);
+        self.0.on_mut(py, |connection| {
             connection.driver.command(Command::Watch(motor.id));
             let others = std::mem::replace(&mut connection.motors, vec![motor]);
             let waited = connection.wait_for_motors();
@@ -120,7 +117,7 @@ impl Line {
 
     /// The only motor that answers.
     fn only_motor(&self, py: Python<'_>) -> PyResult<u8> {
-        self.on_mut(py, |connection| {
+        self.0.on_mut(py, |connection| {
             if connection.motors.is_empty() {
                 connection.wait_for_motors()?;
             }
@@ -146,19 +143,19 @@ impl Line {
         let motors = motors.into_iter().map(signed);
         let motors = motors.collect::<PyResult<Vec<_>>>()?;
         let setpoint = setpoint(quantity, value, acceleration)?;
-        drive(self, py, &motors, setpoint, high_current)
+        drive(&self.0, py, &motors, setpoint, high_current)
     }
 
     /// Stops these motors, or all. Returns which of them confirmed their standstill.
     fn stop(&self, py: Python<'_>, motors: Option<Vec<u8>>) -> PyResult<Vec<(u8, bool)>> {
         let ids = motors.map(|ids| ids.into_iter().map(id).collect::<PyResult<Vec<_>>>());
-        stop(self, py, ids.transpose()?.as_deref())
+        stop(&self.0, py, ids.transpose()?.as_deref())
     }
 
     /// Allows driving again after all motors were stopped.
     fn release(&self, py: Python<'_>) -> PyResult<()> {
-        locked(&self.news).trouble = None;
-        self.on(py, |connection| {
+        locked(&self.0.news).trouble = None;
+        self.0.on(py, |connection| {
             connection.driver.command(Command::Release);
             Ok(())
         })
@@ -167,7 +164,7 @@ impl Line {
     /// Other settings from now on.
     fn configure(&self, py: Python<'_>, settings: Settings) -> PyResult<()> {
         let settings = bus_settings(settings)?;
-        self.on(py, |connection| {
+        self.0.on(py, |connection| {
             connection.driver.command(Command::Configure(settings));
             Ok(())
         })
@@ -175,7 +172,7 @@ impl Line {
 
     /// Asks every ID. Returns those that answer.
     fn scan(&self, py: Python<'_>) -> PyResult<Vec<u16>> {
-        self.on(py, |connection| {
+        self.0.on(py, |connection| {
             let found = scan(connection)?.found;
             // Bytes would be a bytes object in Python.
             Ok(found.into_iter().map(|id| id.get().into()).collect())
@@ -185,7 +182,7 @@ impl Line {
     /// Gives the only motor on the bus another ID, and verifies it. Returns the ID before.
     fn set_id(&self, py: Python<'_>, new: u8) -> PyResult<u8> {
         let new = AssignableId::new(id(new)?).map_err(invalid)?;
-        self.on_mut(py, |connection| {
+        self.0.on_mut(py, |connection| {
             let from = only_motor(connection)?;
             if from != new.id() {
                 change_id(connection, from, new)?;
@@ -197,7 +194,8 @@ impl Line {
 
     /// Records the line to this session file, or ends the recording.
     fn record(&self, py: Python<'_>, file: Option<PathBuf>) -> PyResult<()> {
-        self.on(py, |connection| connection.record(file.as_deref()))
+        self.0
+            .on(py, |connection| connection.record(file.as_deref()))
     }
 
     /// Takes what has happened, for so long, and looks for Ctrl-C.
@@ -206,8 +204,8 @@ impl Line {
         let begun = Instant::now();
         loop {
             let left = wait.saturating_sub(begun.elapsed());
-            self.pump(py, left.min(STEP))?;
-            self.check()?;
+            self.0.pump(py, left.min(STEP))?;
+            self.0.check()?;
             if begun.elapsed() >= wait {
                 return Ok(());
             }
@@ -217,7 +215,7 @@ impl Line {
     /// From now on the readings of these motors are kept. Returns the number of the reader.
     fn begin_reading(&self, motors: Vec<u8>) -> PyResult<u32> {
         let ids = motors.into_iter().map(id).collect::<PyResult<Vec<_>>>()?;
-        Ok(locked(&self.news).add_reader(ids))
+        Ok(locked(&self.0.news).add_reader(ids))
     }
 
     /// The readings since the last call; waits so long for the first.
@@ -226,9 +224,9 @@ impl Line {
         let begun = Instant::now();
         loop {
             let left = wait.saturating_sub(begun.elapsed());
-            self.pump(py, left.min(STEP))?;
-            self.check()?;
-            let readings = locked(&self.news).take_readings(reader);
+            self.0.pump(py, left.min(STEP))?;
+            self.0.check()?;
+            let readings = locked(&self.0.news).take_readings(reader);
             if !readings.is_empty() || begun.elapsed() >= wait {
                 return Ok(readings);
             }
@@ -236,20 +234,20 @@ impl Line {
     }
 
     fn end_reading(&self, reader: u32) {
-        locked(&self.news).remove_reader(reader);
+        locked(&self.0.news).remove_reader(reader);
     }
 
     /// The last reading of a motor.
     fn latest(&self, py: Python<'_>, motor: u8) -> PyResult<Option<Reading>> {
         let id = id(motor)?;
-        self.pump(py, Duration::ZERO)?;
-        Ok(locked(&self.news).latest(id))
+        self.0.pump(py, Duration::ZERO)?;
+        Ok(locked(&self.0.news).latest(id))
     }
 
     /// What a person should know, since the last call.
     fn take_notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.pump(py, Duration::ZERO)?;
-        Ok(locked(&self.news).notes.drain(..).collect())
+        self.0.pump(py, Duration::ZERO)?;
+        Ok(locked(&self.0.news).notes.drain(..).collect())
     }
 
     /// Runs a sequence or a study. Returns how it ended if it was aborted, the figures as JSON, the whole run as JSON, and
@@ -263,10 +261,12 @@ impl Line {
     ) -> PyResult<Outcome> {
         let motors = motors.into_iter().map(signed);
         let motors = motors.collect::<PyResult<Vec<_>>>()?;
-        locked(&self.news).trouble = None;
-        let mut running = self.on(py, |connection| begin(connection, &asked, &motors, rate_hz))?;
+        locked(&self.0.news).trouble = None;
+        let mut running = self
+            .0
+            .on(py, |connection| begin(connection, &asked, &motors, rate_hz))?;
         loop {
-            let ended = self.on(py, |connection| running.step(connection, STEP))?;
+            let ended = self.0.on(py, |connection| running.step(connection, STEP))?;
             py.check_signals()?;
             if let Some(result) = ended {
                 return Ok(result);
@@ -277,7 +277,7 @@ impl Line {
     /// Stops the motors and closes the line. Returns the motors of the last stop and whether each one stands, and the motors
     /// that may turn.
     fn close(&self, py: Python<'_>) -> PyResult<Stopped> {
-        let connection = py.detach(|| locked(&self.connection).take());
+        let connection = py.detach(|| locked(&self.0.connection).take());
         let Some(connection) = connection else {
             return Ok((Vec::new(), Vec::new()));
         };

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::{
     errors::{NotDone, exception},
-    line::Line,
+    heard::News,
 };
 
 /// How long a call waits for an entry before it looks for Ctrl-C.
@@ -24,7 +24,13 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Line {
+/// An open line, and what the program has not taken yet.
+pub struct Shared {
+    pub connection: Arc<Mutex<Option<Connection>>>,
+    pub news: Arc<Mutex<News>>,
+}
+
+impl Shared {
     /// Does something on the line, without the lock of the interpreter.
     pub fn on<T: Send>(
         &self,

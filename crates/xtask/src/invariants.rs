@@ -158,7 +158,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
         .filter(|word| !word.is_empty())
 }
 
-/// The names of the tests in a Rust file.
+/// The names of the tests in a file of Rust, or in one of Python.
 fn tests(text: &str) -> BTreeSet<&str> {
     let mut names = BTreeSet::new();
     let mut is_test = false;
@@ -166,6 +166,12 @@ fn tests(text: &str) -> BTreeSet<&str> {
         is_test |= ["#[test]", "#[wasm_bindgen_test"]
             .iter()
             .any(|attribute| line.starts_with(attribute));
+        // As Python's unittest finds them.
+        if let Some(name) = line.strip_prefix("def ")
+            && name.starts_with("test_")
+        {
+            names.extend(words(name).next());
+        }
         let mut before = words(line);
         if line.starts_with(['#', '/']) || !before.any(|word| word == "fn") {
             continue;
