@@ -112,13 +112,22 @@ impl Connection {
 
     /// Records an entry, and tells it.
     fn hear(&self, at: motorlink_protocol::Instant, entry: &Entry) -> Result<(), Failure> {
-        if let Some(recording) = &mut *self.recording.borrow_mut() {
-            recording.add(at, entry)?;
-        }
         if let Some(listener) = &self.listener {
             (listener.borrow_mut())(Heard::Entry(at, entry));
         }
-        Ok(())
+        let mut recording = self.recording.borrow_mut();
+        let recorded = recording
+            .as_mut()
+            .map_or(Ok(()), |recording| recording.add(at, entry));
+        match (&self.listener, recorded) {
+            // A program learns it by its listener, and drives on.
+            (Some(_), Err(failure)) => {
+                *recording = None;
+                self.note(format!("the recording has ended: {failure}"));
+                Ok(())
+            }
+            (_, recorded) => recorded,
+        }
     }
 
     /// The next entry, if one comes within a moment. Prints what a person should know.

@@ -53,6 +53,7 @@ pub mod library {
         set_id::{change as change_id, only_motor},
         signed_id::SignedId,
         starting::{adjust, start},
+        words::of_entry as words_of,
     };
 }
 

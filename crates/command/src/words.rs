@@ -11,6 +11,7 @@ pub fn ids(ids: impl IntoIterator<Item = MotorId>) -> String {
 }
 
 /// What a person should know of an entry, whatever the command is; `None` if it is routine.
+#[must_use]
 pub fn of_entry(entry: &Entry) -> Option<String> {
     Some(match entry {
         Entry::Event(event) => return of_event(event),

@@ -141,9 +141,28 @@ impl Driver {
         ending.map_or_else(Ending::default, |ending| ending.unwrap_or(failed))
     }
 
+    /// Gives commands from other threads.
+    #[must_use]
+    pub fn commander(&self) -> Commander {
+        Commander(self.inputs.clone())
+    }
+
     #[cfg(test)]
-    pub(crate) fn fail(&self) {
-        let _ = self.inputs.send(Input::Fail);
+    pub(crate) fn fail(&self, how: Input) {
+        let _ = self.inputs.send(how);
+    }
+}
+
+/// Gives commands to a driver from any thread.
+#[derive(Clone, Debug)]
+pub struct Commander(Sender<Input>);
+
+impl Commander {
+    /// See [`Driver::command`].
+    pub fn command(&self, command: Command) {
+        let _ = self
+            .0
+            .send(Input::Command(command, std::time::Instant::now()));
     }
 }
 

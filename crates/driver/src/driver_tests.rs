@@ -78,14 +78,17 @@ fn a_program_that_takes_no_entries_for_a_second_has_its_motor_stopped() {
 
 #[test]
 fn a_driver_that_fails_stops_its_motor_first() {
-    let driver = open();
-    start(&driver, 100);
-    until_speed(&driver, 90);
-    driver.fail();
-    while driver.next(Duration::from_millis(100)) != Next::Ended {}
-    let ending = driver.end();
-    let report = ending.last_stop.unwrap();
-    assert_eq!(report.reason, StopReason::LeftDriven);
-    assert!(report.motors[0].confirmed);
-    assert_eq!((ending.may_turn, ending.has_failed), (vec![], true));
+    // The second one fails at every call.
+    for failure in [Input::Fail, Input::FailRuns] {
+        let driver = open();
+        start(&driver, 100);
+        until_speed(&driver, 90);
+        driver.fail(failure);
+        while driver.next(Duration::from_millis(100)) != Next::Ended {}
+        let ending = driver.end();
+        let report = ending.last_stop.unwrap();
+        assert_eq!(report.reason, StopReason::LeftDriven);
+        assert!(report.motors[0].confirmed);
+        assert_eq!((ending.may_turn, ending.has_failed), (vec![], true));
+    }
 }

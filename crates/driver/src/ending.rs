@@ -6,7 +6,10 @@ use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::LeftBehind;
 use motorlink_protocol::Instant;
 
-use crate::owner::{Owner, Stage};
+use crate::{
+    owner::{Owner, Stage},
+    runs::Runs,
+};
 
 impl Owner {
     /// Whether a motor is driven or turns. Nothing can be stopped while the port is lost: the next driver does it.
@@ -38,6 +41,8 @@ impl Owner {
     pub(crate) fn stop_after_failure(&mut self) {
         self.stage = Stage::Ending { has_stopped: false };
         self.is_halted = true;
+        // The failure may be theirs.
+        self.runs = Runs::default();
         let now = self.clock.now();
         let Some(mut host) = self.host.take() else {
             // No line is left. The next driver stops what the file names.

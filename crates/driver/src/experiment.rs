@@ -7,7 +7,7 @@ use std::{
 
 use motorlink_bus::{Activity, Command};
 use motorlink_experiments::runner::{End, Phase, StartRefusal};
-use motorlink_messages::runs::{FromRun, NotArmed, RunState};
+use motorlink_messages::runs::{FromRun, NotArmed, RunState, ToRun};
 use motorlink_runs::RecordedRun;
 
 use crate::{
@@ -116,10 +116,13 @@ impl Experiment {
         let now = Instant::now();
         if let Some(Entry::Run(message)) = entry {
             self.run.take(message);
+            let number = self.run.header().number;
             match &**message {
-                FromRun::NotArmed { reason, .. } => return Err(NotRun::NotArmed(reason.clone())),
+                FromRun::NotArmed { run, reason } if *run == number => {
+                    return Err(NotRun::NotArmed(reason.clone()));
+                }
                 FromRun::NotStarted(refusal) => self.refused(now, *refusal)?,
-                FromRun::State(state) => match state.phase {
+                FromRun::State(state) if state.run == number => match state.phase {
                     Phase::Running | Phase::Paused => {
                         self.start = Start::Done;
                         self.progress = Progress::Running(*state);
@@ -127,7 +130,8 @@ impl Experiment {
                     Phase::Ended(end) => self.progress = Progress::Ended(end),
                     Phase::Armed { .. } => {}
                 },
-                FromRun::Part { .. } | FromRun::Died => {}
+                // Of another run, or data.
+                _ => {}
             }
         }
         if let Start::At(at, until) = self.start
@@ -161,6 +165,11 @@ impl Experiment {
         if let Entry::Run(message) = entry {
             self.run.take(message);
         }
+    }
+
+    /// Ends the run, and stops its motors.
+    pub fn abort(&self, driver: &Driver) {
+        driver.run(ToRun::Abort);
     }
 
     /// What was asked, and what is recorded.

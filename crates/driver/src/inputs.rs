@@ -27,6 +27,9 @@ pub(crate) enum Input {
     /// Fail in the next turn, for tests.
     #[cfg(test)]
     Fail,
+    /// Let the program of the runs fail at every call, for tests.
+    #[cfg(test)]
+    FailRuns,
 }
 
 /// What goes to the program.

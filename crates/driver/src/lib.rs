@@ -35,7 +35,7 @@ mod runs;
 mod serial_line;
 
 pub use driven_file::default_folder;
-pub use driver::{Driver, Next};
+pub use driver::{Commander, Driver, Next};
 pub use entry::{Entry, Status};
 pub use experiment::{Experiment, NotRun, Progress};
 pub use holder::Holder;

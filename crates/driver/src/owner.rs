@@ -262,6 +262,8 @@ impl Owner {
             (Input::End, _) => self.begin_end(now),
             #[cfg(test)]
             (Input::Fail, _) => self.fails_next = true,
+            #[cfg(test)]
+            (Input::FailRuns, _) => self.runs.fails = true,
         }
     }
 

@@ -13,6 +13,9 @@ use motorlink_runs::{Host, Input, Program};
 pub(crate) struct Runs {
     program: Program,
     host: Host,
+    /// Fails at every call, for tests.
+    #[cfg(test)]
+    pub(crate) fails: bool,
 }
 
 impl Runs {
@@ -28,6 +31,8 @@ impl Runs {
 
     /// Ticks if that is due.
     pub(crate) fn tick(&mut self, now: Instant, bus: &mut Bus, settings: BusSettings) {
+        #[cfg(test)]
+        assert!(!self.fails, "asked for by a test");
         if self.host.tick_due(now).is_some() {
             self.pass(now, Input::Tick, Some(bus), settings);
         }
@@ -102,7 +107,7 @@ impl Runs {
     }
 
     fn pass(&mut self, now: Instant, input: Input, bus: Option<&mut Bus>, settings: BusSettings) {
-        let Self { program, host } = self;
+        let Self { program, host, .. } = self;
         let call = |now, input: &Input| Some(program.handle(now, input));
         // The program is part of this one. If it fails, the thread does, which stops the motors.
         let _ = host.pass(now, input, bus, settings, call);

@@ -1,15 +1,18 @@
 //! Drives motors, and stops them.
 
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
 
 use motorlink_bus::{Activity, Command, Consent, StopReason, needs_consent};
-use motorlink_command::library::{Connection, Failure, Happened, SignedId, adjust, start};
+use motorlink_command::library::{Connection, Failure, SignedId, adjust, start};
 use motorlink_protocol::{MotorId, Setpoint};
 use pyo3::prelude::*;
 
 use crate::{
     errors::{InvalidInput, NotDone},
-    shared::{STEP, Shared, locked},
+    shared::{STEP, Shared, locked, take_all},
 };
 
 /// How long a start may take: a stop, a switch of the loop, and the first setpoint.
@@ -37,12 +40,13 @@ pub fn drive(
             matches!(activity, Some(Activity::Driven { setpoint: now }) if now.mode() == setpoint.mode())
         }))
     };
+    let ids: Vec<MotorId> = motors.iter().map(|motor| motor.id).collect();
     let adjusts = line.on(py, |connection| {
-        while let Happened::Entry(..) = connection.next_within(Duration::ZERO)? {}
+        take_all(connection, Duration::ZERO)?;
         is_driven(connection)
     })?;
     // What ended the drive before is told first.
-    line.check()?;
+    line.check(&ids)?;
     line.on(py, |connection| {
         let command = if adjusts && consent == Consent::None {
             adjust(motors.iter().copied(), setpoint)
@@ -51,15 +55,34 @@ pub fn drive(
         };
         let command = command.map_err(|error| Failure::Usage(error.to_string()))?;
         connection.driver.command(command);
-        Ok(())
+        // Its refusal is there when the status is.
+        connection.status().map(drop)
     })?;
+    line.pump(py, Duration::ZERO)?;
+    line.check(&ids)?;
     if adjusts {
         return Ok(());
     }
+    let started = until_driven(line, py, &ids, is_driven);
+    if started.is_err() {
+        // What was asked for is not started later.
+        for id in &ids {
+            line.commander.command(Command::Stop(*id));
+        }
+    }
+    started
+}
+
+fn until_driven(
+    line: &Shared,
+    py: Python<'_>,
+    ids: &[MotorId],
+    is_driven: impl Fn(&Connection) -> Result<bool, Failure> + Sync,
+) -> PyResult<()> {
     let begun = Instant::now();
     loop {
         line.pump(py, STEP)?;
-        line.check()?;
+        line.check(ids)?;
         if line.on(py, |connection| is_driven(connection))? {
             return Ok(());
         }
@@ -71,34 +94,61 @@ pub fn drive(
 
 /// Stops these motors, or all. Returns which of them confirmed their standstill.
 pub fn stop(line: &Shared, py: Python<'_>, ids: Option<&[MotorId]>) -> PyResult<Vec<(u8, bool)>> {
-    locked(&line.news).stops.clear();
-    line.on(py, |connection| {
-        match &ids {
-            Some(ids) => {
-                for id in *ids {
-                    connection.driver.command(Command::Stop(*id));
-                }
+    // First: another call may have the connection.
+    match ids {
+        Some(ids) => {
+            for id in ids {
+                line.commander.command(Command::Stop(*id));
             }
-            None => connection
-                .driver
-                .command(Command::StopAll(StopReason::Operator)),
         }
-        Ok(())
-    })?;
+        None => line
+            .commander
+            .command(Command::StopAll(StopReason::Operator)),
+    }
+    let since = locked(&line.news).next_stop();
     let begun = Instant::now();
     loop {
         line.pump(py, STEP)?;
-        let reported = line.stopped();
-        let is_over = match &ids {
-            Some(ids) => {
-                let is_told = |id: &MotorId| reported.iter().any(|(of, _)| *of == id.get());
-                ids.iter().all(is_told)
+        let mut news = locked(&line.news);
+        let mut confirmed = BTreeMap::new();
+        for report in news.stops_since(since) {
+            if ids.is_some() || report.reason == StopReason::Operator {
+                confirmed.extend(
+                    report
+                        .motors
+                        .iter()
+                        .map(|motor| (motor.id, motor.confirmed)),
+                );
             }
-            None => !locked(&line.news).stops.is_empty(),
-        };
-        if is_over || begun.elapsed() > STOP_MAX {
-            locked(&line.news).trouble = None;
-            return Ok(reported);
         }
+        let mut all = news.stops_since(since);
+        let is_over = match ids {
+            Some(ids) => ids.iter().all(|id| confirmed.contains_key(id)),
+            None => all.any(|report| report.reason == StopReason::Operator),
+        };
+        drop(all);
+        if !is_over && begun.elapsed() <= STOP_MAX {
+            continue;
+        }
+        if let Some(ids) = ids {
+            // Its result is returned.
+            let _ = news.take_trouble(ids);
+        }
+        drop(news);
+        if !is_over {
+            // The port is lost, or so: nothing is known of any.
+            let asked = match ids {
+                Some(ids) => ids.to_vec(),
+                None => line.on(py, |connection| {
+                    let motors = connection.motors.iter();
+                    Ok(motors.map(|motor| motor.id).collect())
+                })?,
+            };
+            for id in asked {
+                confirmed.entry(id).or_insert(false);
+            }
+        }
+        let told = confirmed.into_iter();
+        return Ok(told.map(|(id, stands)| (id.get(), stands)).collect());
     }
 }

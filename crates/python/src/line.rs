@@ -9,21 +9,18 @@ use std::{
 use motorlink_bus::Command;
 use motorlink_command::library::{Connection, Failure, Global, change_id, only_motor, scan};
 use motorlink_driver::{Ender, Ending};
-use motorlink_protocol::{AssignableId, family::Model};
+use motorlink_protocol::{AssignableId, MotorId, family::Model};
 use pyo3::prelude::*;
 
 use crate::{
     driving::{drive, stop},
-    errors::{NotDone, exception},
+    errors::exception,
     heard::News,
     reading::Reading,
     shared::{STEP, Shared, locked},
     study::{Asked, Outcome, begin},
     values::{Settings, bus_settings, id, invalid, setpoint, signed},
 };
-
-/// Motors with a fact about each, and motors.
-type Stopped = (Vec<(u8, bool)>, Vec<u16>);
 
 /// An open line. The motors are stopped when it is closed or dropped.
 #[pyclass(frozen)]
@@ -71,7 +68,8 @@ impl Line {
                     options.place = motorlink_driver::Place::Virtual(line);
                 }
             })?;
-            let news = Arc::new(Mutex::new(News::new(connection.driver.model())));
+            let (model, now) = (connection.driver.model(), connection.status()?.now);
+            let news = Arc::new(Mutex::new(News::new(model, now)));
             let told = Arc::clone(&news);
             connection.listen(Box::new(move |heard| locked(&told).take(heard)));
             if !connection.motors.is_empty() {
@@ -80,10 +78,8 @@ impl Line {
             Ok((connection, news))
         });
         let (connection, news) = opened.map_err(|failure| exception(&failure))?;
-        for motor in &connection.motors {
-            locked(&news).mirrors.insert(motor.id, motor.mirror);
-        }
         let line = Shared {
+            commander: connection.driver.commander(),
             connection: Arc::new(Mutex::new(Some(connection))),
             news,
         };
@@ -103,14 +99,17 @@ impl Line {
     /// Watches a motor, and waits for its first reply.
     fn watch(&self, py: Python<'_>, motor: (u8, bool)) -> PyResult<()> {
         let motor = signed(motor)?;
-        locked(&self.0.news).mirrors.insert(motor.id, motor.mirror);
         self.0.on_mut(py, |connection| {
             connection.driver.command(Command::Watch(motor.id));
             let others = std::mem::replace(&mut connection.motors, vec![motor]);
             let waited = connection.wait_for_motors();
             connection.motors = others;
-            connection.motors.retain(|other| other.id != motor.id);
-            connection.motors.push(motor);
+            let is_known = connection.motors.iter().any(|other| other.id == motor.id);
+            match &waited {
+                Ok(()) if !is_known => connection.motors.push(motor),
+                Err(_) if !is_known => connection.driver.command(Command::Forget(motor.id)),
+                _ => {}
+            }
             waited
         })
     }
@@ -118,15 +117,12 @@ impl Line {
     /// The only motor that answers.
     fn only_motor(&self, py: Python<'_>) -> PyResult<u8> {
         self.0.on_mut(py, |connection| {
-            if connection.motors.is_empty() {
-                connection.wait_for_motors()?;
-            }
-            match connection.motors.as_slice() {
-                [only] => Ok(only.id.get()),
-                _ => Err(Failure::Usage(
-                    "several motors are open: name one".to_owned(),
-                )),
-            }
+            let others = std::mem::take(&mut connection.motors);
+            let waited = connection.wait_for_motors();
+            let only = std::mem::replace(&mut connection.motors, others);
+            waited?;
+            let only = only.first().map(|motor| motor.id.get());
+            only.ok_or_else(|| Failure::NotDone("no motor answers".to_owned()))
         })
     }
 
@@ -154,11 +150,16 @@ impl Line {
 
     /// Allows driving again after all motors were stopped.
     fn release(&self, py: Python<'_>) -> PyResult<()> {
-        locked(&self.0.news).trouble = None;
+        // A driver that has missed the program for a second refuses until it hears of it.
+        self.0.pump(py, Duration::ZERO)?;
+        while locked(&self.0.news).take_any_trouble().is_some() {}
         self.0.on(py, |connection| {
+            connection.status()?;
             connection.driver.command(Command::Release);
-            Ok(())
-        })
+            connection.status().map(drop)
+        })?;
+        self.0.pump(py, Duration::ZERO)?;
+        self.0.check_all()
     }
 
     /// Other settings from now on.
@@ -198,14 +199,14 @@ impl Line {
             .on(py, |connection| connection.record(file.as_deref()))
     }
 
-    /// Takes what has happened, for so long, and looks for Ctrl-C.
+    /// Takes what happens for this many seconds, and looks for Ctrl-C.
     fn wait(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
         let wait = Duration::try_from_secs_f64(seconds).map_err(invalid)?;
         let begun = Instant::now();
         loop {
             let left = wait.saturating_sub(begun.elapsed());
             self.0.pump(py, left.min(STEP))?;
-            self.0.check()?;
+            self.0.check_all()?;
             if begun.elapsed() >= wait {
                 return Ok(());
             }
@@ -213,20 +214,21 @@ impl Line {
     }
 
     /// From now on the readings of these motors are kept. Returns the number of the reader.
-    fn begin_reading(&self, motors: Vec<u8>) -> PyResult<u32> {
-        let ids = motors.into_iter().map(id).collect::<PyResult<Vec<_>>>()?;
-        Ok(locked(&self.0.news).add_reader(ids))
+    fn begin_reading(&self, motors: Vec<(u8, bool)>) -> PyResult<u32> {
+        let motors = motors.into_iter().map(signed);
+        let motors = motors.collect::<PyResult<Vec<_>>>()?;
+        Ok(locked(&self.0.news).add_reader(motors))
     }
 
-    /// The readings since the last call; waits so long for the first.
+    /// The readings since the last call; waits this many seconds for the first.
     fn take_readings(&self, py: Python<'_>, reader: u32, seconds: f64) -> PyResult<Vec<Reading>> {
         let wait = Duration::try_from_secs_f64(seconds).map_err(invalid)?;
         let begun = Instant::now();
         loop {
             let left = wait.saturating_sub(begun.elapsed());
             self.0.pump(py, left.min(STEP))?;
-            self.0.check()?;
-            let readings = locked(&self.0.news).take_readings(reader);
+            let (motors, readings) = locked(&self.0.news).take_readings(reader);
+            self.0.check(&motors)?;
             if !readings.is_empty() || begun.elapsed() >= wait {
                 return Ok(readings);
             }
@@ -237,17 +239,18 @@ impl Line {
         locked(&self.0.news).remove_reader(reader);
     }
 
-    /// The last reading of a motor.
-    fn latest(&self, py: Python<'_>, motor: u8) -> PyResult<Option<Reading>> {
-        let id = id(motor)?;
+    /// The last reading of a motor, if it is at most half a second old.
+    fn latest(&self, py: Python<'_>, motor: (u8, bool)) -> PyResult<Option<Reading>> {
+        let motor = signed(motor)?;
         self.0.pump(py, Duration::ZERO)?;
-        Ok(locked(&self.0.news).latest(id))
+        let now = self.0.on(py, |connection| Ok(connection.status()?.now))?;
+        Ok(locked(&self.0.news).latest(motor, now))
     }
 
     /// What a person should know, since the last call.
     fn take_notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.0.pump(py, Duration::ZERO)?;
-        Ok(locked(&self.0.news).notes.drain(..).collect())
+        Ok(locked(&self.0.news).take_notes())
     }
 
     /// Runs a sequence or a study. Returns how it ended if it was aborted, the figures as JSON, the whole run as JSON, and
@@ -261,42 +264,62 @@ impl Line {
     ) -> PyResult<Outcome> {
         let motors = motors.into_iter().map(signed);
         let motors = motors.collect::<PyResult<Vec<_>>>()?;
-        locked(&self.0.news).trouble = None;
-        let mut running = self
-            .0
-            .on(py, |connection| begin(connection, &asked, &motors, rate_hz))?;
+        let ids: Vec<MotorId> = motors.iter().map(|motor| motor.id).collect();
+        self.0.pump(py, Duration::ZERO)?;
+        self.0.check(&ids)?;
+        let mut running = self.0.on(py, |connection| {
+            while locked(&self.0.news).take_run().is_some() {}
+            begin(connection, &asked, &motors, rate_hz)
+        })?;
         loop {
-            let ended = self.0.on(py, |connection| running.step(connection, STEP))?;
-            py.check_signals()?;
-            if let Some(result) = ended {
-                return Ok(result);
+            let news = &self.0.news;
+            let ended = self
+                .0
+                .on(py, |connection| running.step(connection, news, STEP));
+            let ended = ended.and_then(|ended| py.check_signals().map(|()| ended));
+            match ended {
+                Ok(None) => {}
+                Ok(Some(result)) => {
+                    // The result says why it was aborted.
+                    let _ = locked(&self.0.news).take_trouble(&ids);
+                    return Ok(result);
+                }
+                Err(error) => {
+                    self.0.on(py, |connection| {
+                        running.abort(connection);
+                        Ok(())
+                    })?;
+                    return Err(error);
+                }
             }
         }
     }
 
-    /// Stops the motors and closes the line. Returns the motors of the last stop and whether each one stands, and the motors
-    /// that may turn.
-    fn close(&self, py: Python<'_>) -> PyResult<Stopped> {
+    /// Leaves the line to the process that has opened it: this one is its child.
+    fn forget(&self) {
+        if let Ok(mut connection) = self.0.connection.try_lock() {
+            std::mem::forget(connection.take());
+        }
+    }
+
+    /// Stops the motors and closes the line. Returns the motors of the last stop and whether each one stands, the motors
+    /// that may turn, and what else went wrong.
+    fn close(&self, py: Python<'_>) -> (Vec<(u8, bool)>, Vec<u16>, Option<String>) {
         let connection = py.detach(|| locked(&self.0.connection).take());
         let Some(connection) = connection else {
-            return Ok((Vec::new(), Vec::new()));
+            return (Vec::new(), Vec::new(), None);
         };
         let (ending, recorded) = py.detach(|| connection.close(|_| ()));
-        recorded.map_err(|failure| exception(&failure))?;
         let Ending {
             last_stop,
             may_turn,
             has_failed,
         } = ending;
-        if has_failed {
-            let text = "motorlink itself has failed: please report it";
-            return Err(NotDone::new_err(text));
-        }
+        let failed = has_failed.then(|| "motorlink itself has failed: please report it".to_owned());
+        let wrong = failed.or_else(|| recorded.err().map(|failure| failure.to_string()));
         let motors = last_stop.map_or_else(Vec::new, |report| report.motors);
         let motors = motors.iter().map(|motor| (motor.id.get(), motor.confirmed));
-        Ok((
-            motors.collect(),
-            may_turn.into_iter().map(|id| id.get().into()).collect(),
-        ))
+        let may_turn = may_turn.into_iter().map(|id| id.get().into());
+        (motors.collect(), may_turn.collect(), wrong)
     }
 }

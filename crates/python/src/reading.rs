@@ -1,13 +1,13 @@
 //! What a motor reports.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{Mirror, Sample};
 use motorlink_protocol::{Celsius, Detail, Instant, MotorId, family::Model};
 use pyo3::prelude::*;
 
 /// A motor is asked for its temperature less often than for its speed.
-const TEMPERATURE_FRESH_S: f64 = 2.0;
+const TEMPERATURE_FRESH_FOR: Duration = Duration::from_secs(2);
 
 /// What a motor reports at one moment. A value that the motor has not told is `None`.
 #[pyclass(frozen, get_all)]
@@ -17,7 +17,7 @@ pub struct Reading {
     time_s: f64,
     /// Its ID.
     motor: u8,
-    /// The loop it closes: open loop, current, velocity or position.
+    /// The loop it closes: open loop, current loop, velocity loop or position loop.
     mode: String,
     /// Speed in rpm, with the sign of its side.
     speed_rpm: Option<i16>,
@@ -52,53 +52,63 @@ impl Reading {
     }
 }
 
-/// Makes readings of replies.
+/// The last temperature of each motor.
 #[derive(Debug, Default)]
-pub struct Readings {
-    temperatures: BTreeMap<MotorId, (f64, Celsius)>,
+pub struct Temperatures(BTreeMap<MotorId, (Instant, Celsius)>);
+
+impl Temperatures {
+    /// Notes the temperature of a reply, if it tells one.
+    pub fn note(&mut self, sample: &Sample) {
+        if let Detail::Query {
+            temperature: celsius,
+            ..
+        }
+        | Detail::Temperature(celsius) = sample.reply.detail
+        {
+            self.0.insert(sample.reply.id, (sample.at, celsius));
+        }
+    }
+
+    /// The temperature of the motor when it sent this reply.
+    pub fn fresh(&self, sample: &Sample) -> Option<Celsius> {
+        let (at, celsius) = self.0.get(&sample.reply.id)?;
+        (sample.at.since(*at) <= TEMPERATURE_FRESH_FOR).then_some(*celsius)
+    }
 }
 
-impl Readings {
+impl Reading {
+    /// What a reply tells, with the sign of this side.
     pub fn of(
-        &mut self,
         model: Model,
         sample: &Sample,
         mirror: Mirror,
         opened: Instant,
-    ) -> Reading {
+        celsius: Option<Celsius>,
+    ) -> Self {
         let reply = &sample.reply;
-        let time_s = sample.at.since(opened).as_secs_f64();
-        let (angle_deg, celsius) = match reply.detail {
+        let angle_deg = match reply.detail {
             Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                (Some(position.degrees()), None)
+                Some(position.degrees())
             }
-            Detail::Query {
-                temperature,
-                position,
-            } => (Some(position.degrees()), Some(temperature)),
-            Detail::Temperature(celsius) => (None, Some(celsius)),
-            Detail::Undetermined(_) => (None, None),
+            Detail::Query { position, .. } => Some(position.degrees()),
+            Detail::Temperature(_) | Detail::Undetermined(_) => None,
         };
-        if let Some(celsius) = celsius {
-            self.temperatures.insert(reply.id, (time_s, celsius));
-        }
-        let known = self.temperatures.get(&reply.id);
-        let fresh = known.filter(|(at_s, _)| time_s - at_s <= TEMPERATURE_FRESH_S);
         let is_certain = model.spec().current.is_certain();
         let amps = reply.current.filter(|_| is_certain);
-        Reading {
-            time_s,
+        let faults = reply.faults;
+        Self {
+            time_s: sample.at.since(opened).as_secs_f64(),
             motor: reply.id.get(),
             mode: reply.mode.to_string(),
             speed_rpm: reply.speed.map(|speed| mirror.speed(speed).rpm()),
             current_a: amps.map(|current| mirror.current(current).amps()),
             current_raw: reply.current.map(motorlink_protocol::Current::raw),
             angle_deg,
-            temperature_c: fresh.map(|(_, celsius)| celsius.degrees()),
-            faults: if reply.faults.is_none() {
+            temperature_c: celsius.map(Celsius::degrees),
+            faults: if faults.is_none() {
                 String::new()
             } else {
-                reply.faults.to_string()
+                faults.to_string()
             },
         }
     }

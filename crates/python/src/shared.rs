@@ -1,12 +1,14 @@
 //! The line as calls of several threads share it.
 
 use std::{
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, Weak},
     thread,
     time::Duration,
 };
 
 use motorlink_command::library::{Connection, Failure, Happened};
+use motorlink_driver::Commander;
+use motorlink_protocol::MotorId;
 use pyo3::prelude::*;
 
 use crate::{
@@ -26,7 +28,10 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// An open line, and what the program has not taken yet.
 pub struct Shared {
+    /// `None` once it is closed.
     pub connection: Arc<Mutex<Option<Connection>>>,
+    /// Stops motors while another call has the connection.
+    pub commander: Commander,
     pub news: Arc<Mutex<News>>,
 }
 
@@ -52,35 +57,37 @@ impl Shared {
         done.map_err(|failure| exception(&failure))
     }
 
-    /// Takes the entries that are there, and waits so long for the first. The driver learns that the program is alive.
+    /// Takes the entries that are there, and waits this long for the first. The driver learns that the program is alive.
     pub fn pump(&self, py: Python<'_>, within: Duration) -> PyResult<()> {
         self.on(py, |connection| take_all(connection, within))?;
+        // Another thread that waits for the line gets it.
+        py.detach(thread::yield_now);
         py.check_signals()
     }
 
-    /// What ended a drive without being asked to.
-    pub fn check(&self) -> PyResult<()> {
-        match locked(&self.news).trouble.take() {
-            Some(text) => Err(NotDone::new_err(text)),
-            None => Ok(()),
-        }
+    /// What ended the drive of one of these motors without being asked to.
+    pub fn check(&self, motors: &[MotorId]) -> PyResult<()> {
+        raised(locked(&self.news).take_trouble(motors))
     }
 
-    /// The motors of the stops that have ended, and whether each one stands.
-    pub fn stopped(&self) -> Vec<(u8, bool)> {
-        let news = locked(&self.news);
-        let motors = news.stops.iter().flat_map(|report| &report.motors);
-        motors
-            .map(|motor| (motor.id.get(), motor.confirmed))
-            .collect()
+    /// What ended any drive without being asked to.
+    pub fn check_all(&self) -> PyResult<()> {
+        raised(locked(&self.news).take_any_trouble())
     }
 
     /// Takes the entries on a thread of its own, so that motors are driven whatever the program does.
     pub fn keep_alive(&self) {
-        let connection = Arc::clone(&self.connection);
-        let take = move || match &*locked(&connection) {
-            Some(connection) => take_all(connection, Duration::ZERO).is_ok(),
-            None => false,
+        // It must not be the last to have the line: then nobody would stop the motors.
+        let connection = Arc::downgrade(&self.connection);
+        let take = move || {
+            let Some(connection) = Weak::upgrade(&connection) else {
+                return false;
+            };
+            let guard = locked(&connection);
+            match &*guard {
+                Some(connection) => take_all(connection, Duration::ZERO).is_ok(),
+                None => false,
+            }
         };
         thread::spawn(move || {
             while take() {
@@ -90,7 +97,20 @@ impl Shared {
     }
 }
 
-fn take_all(connection: &Connection, within: Duration) -> Result<(), Failure> {
+/// A line that nobody closes is closed here, on the thread of the program: the motors are stopped first.
+impl Drop for Shared {
+    fn drop(&mut self) {
+        let connection = locked(&self.connection).take();
+        drop(connection);
+    }
+}
+
+fn raised(trouble: Option<String>) -> PyResult<()> {
+    trouble.map_or(Ok(()), |text| Err(NotDone::new_err(text)))
+}
+
+/// Takes the entries that are there, and waits this long for the first.
+pub fn take_all(connection: &Connection, within: Duration) -> Result<(), Failure> {
     let mut wait = within;
     while let Happened::Entry(..) = connection.next_within(wait)? {
         wait = Duration::ZERO;

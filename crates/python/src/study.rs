@@ -1,11 +1,9 @@
 //! An experiment on the line.
 
-use std::time::Duration;
+use std::{sync::Mutex, time::Duration};
 
 use motorlink_bus::{Activity, MotorStatus};
-use motorlink_command::library::{
-    Connection, Failure, Happened, SignedId, assign, file_study, unix_ms,
-};
+use motorlink_command::library::{Connection, Failure, SignedId, assign, file_study, unix_ms};
 use motorlink_driver::{Experiment, Progress};
 use motorlink_experiments::{
     kept::{figures_to_json, record_to_csv, run_to_json},
@@ -17,7 +15,11 @@ use motorlink_protocol::MotorId;
 use motorlink_runs::RecordedRun;
 use pyo3::FromPyObject;
 
-use crate::driving::STOP_MAX;
+use crate::{
+    driving::STOP_MAX,
+    heard::News,
+    shared::{locked, take_all},
+};
 
 /// What is asked: the text of a file, or a study with its parameters.
 #[derive(Debug, FromPyObject)]
@@ -67,8 +69,10 @@ pub fn begin(
     fleet.mirrored = mirrored.map(|motor| motor.id).collect();
     let first = motors.first().map_or(MotorId::FIRST, |motor| motor.id);
     let study = asked.study(first)?;
-    let run = RecordedRun::new(study, fleet, model, rate_hz, unix_ms())
+    let run = RecordedRun::new(study, fleet, model, rate_hz, next_number_ms())
         .map_err(|error| Failure::Usage(error.to_string()))?;
+    // What was said before is not of this run, and the driver learns that the program is alive.
+    take_all(connection, Duration::ZERO)?;
     // The motors of the run before are still being stopped.
     let is_stopping = |motor: &MotorStatus| matches!(motor.activity, Activity::Stopping { .. });
     connection.wait_for(STOP_MAX, |status| {
@@ -80,30 +84,46 @@ pub fn begin(
 }
 
 impl Running {
-    /// Goes on for so long; returns the result at the end.
+    /// Goes on with what the run has said; returns the result at the end. Any call on the line may have taken the entry.
     pub fn step(
         &mut self,
         connection: &Connection,
+        news: &Mutex<News>,
         within: Duration,
     ) -> Result<Option<Outcome>, Failure> {
-        let until = std::time::Instant::now() + within;
-        while std::time::Instant::now() < until {
-            let happened = connection.next()?;
-            let entry = match &happened {
-                Happened::Entry(_, entry) => Some(entry),
-                Happened::Nothing => None,
-            };
-            let progress = self.0.take(&connection.driver, entry);
-            let ended = match progress.map_err(|refusal| Failure::NotDone(refusal.to_string()))? {
-                Progress::Ended(End::Finished { .. }) => None,
-                Progress::Ended(End::Aborted { cause, .. }) => Some(cause.to_string()),
-                Progress::Running(_) | Progress::Waiting => continue,
-            };
-            let run = self.0.run();
-            let figures = figures_to_json(run.header(), run.study(), &run.findings());
-            let whole = run_to_json(run.header(), run.record());
-            return Ok(Some((ended, figures, whole, record_to_csv(run.record()))));
+        take_all(connection, within)?;
+        loop {
+            let entry = locked(news).take_run();
+            let is_last = entry.is_none();
+            let progress = self.0.take(&connection.driver, entry.as_ref());
+            match progress.map_err(|refusal| Failure::NotDone(refusal.to_string()))? {
+                Progress::Ended(End::Finished { .. }) => return Ok(Some(self.outcome(None))),
+                Progress::Ended(End::Aborted { cause, .. }) => {
+                    return Ok(Some(self.outcome(Some(cause.to_string()))));
+                }
+                Progress::Running(_) | Progress::Waiting if is_last => return Ok(None),
+                Progress::Running(_) | Progress::Waiting => {}
+            }
         }
-        Ok(None)
     }
+
+    /// Ends the run and stops its motors.
+    pub fn abort(&self, connection: &Connection) {
+        self.0.abort(&connection.driver);
+    }
+
+    fn outcome(&self, aborted: Option<String>) -> Outcome {
+        let run = self.0.run();
+        let figures = figures_to_json(run.header(), run.study(), &run.findings());
+        let whole = run_to_json(run.header(), run.record());
+        (aborted, figures, whole, record_to_csv(run.record()))
+    }
+}
+
+/// The time now, or a second after that of the run before: their numbers are seconds.
+fn next_number_ms() -> u64 {
+    static LAST: Mutex<u64> = Mutex::new(0);
+    let mut last = locked(&LAST);
+    *last = unix_ms().max(*last + 1_000);
+    *last
 }

@@ -28,6 +28,9 @@ pub fn signed((number, mirrored): (u8, bool)) -> PyResult<SignedId> {
 }
 
 pub fn setpoint(quantity: &str, value: f64, acceleration: u8) -> PyResult<Setpoint> {
+    if !value.is_finite() {
+        return Err(InvalidInput::new_err("expected a finite number"));
+    }
     #[allow(
         clippy::cast_possible_truncation,
         reason = "a cast saturates, and the range is checked"

@@ -151,6 +151,50 @@ class OnVirtualMotors(unittest.TestCase):
         self.assertTrue(numpy.all(numpy.diff(arrays["time_s"]) > 0))
         self.assertAlmostEqual(numpy.nanmean(arrays["speed_rpm"][-20:]), 100, delta=3)
 
+    def test_a_run_goes_on_beside_a_thread_that_reads_and_a_second_one_has_its_own_result(self):
+        with motorlink.virtual(ids=[1, 2], keepalive=False) as bus:
+            wheel = bus.motor(1)
+            reading = threading.Thread(target=lambda: list(bus.motor(2).readings(3)))
+            reading.start()
+            runs = [wheel.step(to_rpm=rpm, repeats=1, hold_s=1, rest_s=0.5) for rpm in (60, 90)]
+            reading.join()
+            for run, rpm in zip(runs, (60, 90)):
+                self.assertIsNone(run.aborted)
+                self.assertAlmostEqual(run.figures[0]["peak_rpm"], rpm, delta=10)
+            numbers = [json.loads(run.json)["number"] for run in runs]
+            self.assertNotEqual(*numbers)
+
+    def test_a_side_is_that_of_the_handle(self):
+        with motorlink.virtual(ids=[1, 2]) as bus:
+            pair, own = bus.group(1, -2), bus.motor(2)
+            pair.drive(rpm=60)
+            bus.sleep(1)
+            self.assertLess(own.reading.speed_rpm, -50)
+            by_pair = [one.speed_rpm for one in pair.readings(0.3) if one.motor == 2]
+            self.assertGreater(by_pair[-1], 50)
+
+    def test_after_a_stop_of_all_nothing_drives_before_the_release(self):
+        with motorlink.virtual() as bus:
+            wheel = bus.motor()
+            wheel.drive(rpm=60)
+            self.assertTrue(bus.stop())
+            with self.assertRaisesRegex(motorlink.NotDone, "bus.release"):
+                wheel.drive(rpm=60)
+            bus.release()
+            wheel.drive(rpm=60)
+
+    def test_a_refused_change_of_speed_raises_in_its_own_call(self):
+        with motorlink.virtual() as bus:
+            bus.limits(rpm=120)
+            bus.limits(celsius=60)
+            wheel = bus.motor()
+            wheel.drive(rpm=100)
+            with self.assertRaisesRegex(motorlink.NotDone, "limit"):
+                wheel.drive(rpm=200)
+            wheel.drive(rpm=60)
+            bus.sleep(1)
+            self.assertAlmostEqual(wheel.reading.speed_rpm, 60, delta=3)
+
     def test_an_exceeded_limit_is_an_exception_with_its_figures(self):
         with motorlink.virtual() as bus:
             bus.limits(rpm=50)
@@ -190,7 +234,7 @@ class OnASerialPort(unittest.TestCase):
     def test_every_end_of_a_program_stops_the_wheel(self):
         program = (
             "import motorlink, os, sys\n"
-            "bus = motorlink.open(sys.argv[1])\n"
+            "bus = motorlink.open(sys.argv[1], keepalive=False)\n"
             "bus.motor(1).drive(rpm=100)\n"
             "bus.sleep(0.7)\n"
             "print('drives', flush=True)\n"
@@ -200,6 +244,18 @@ class OnASerialPort(unittest.TestCase):
             "exception": "raise RuntimeError\n",
             "exit": "sys.exit(3)\n",
             "Ctrl-C": "bus.sleep(60)\n",
+            "SIGTERM": "bus.sleep(60)\n",
+            "SIGHUP": "import time\ntime.sleep(60)\n",
+            "freed": "del bus\nimport time\ntime.sleep(60)\n",
+            "in a run, caught": (
+                "import time\n"
+                "wheel = bus.motor(1)\n"
+                "wheel.stop()\n"
+                "try:\n"
+                "    wheel.run({'motorlink_sequence': 1, 'steps': [{'rpm': 60, 'for_s': 50}]})\n"
+                "except KeyboardInterrupt:\n"
+                "    time.sleep(60)\n"
+            ),
         }
         for name, end in ends.items():
             with self.subTest(name), Motors() as motors:
@@ -208,8 +264,16 @@ class OnASerialPort(unittest.TestCase):
                     command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
                 )
                 self.assertEqual(child.stdout.readline(), "drives\n")
-                if name == "Ctrl-C":
+                if name == "in a run, caught":
+                    time.sleep(3)
                     child.send_signal(signal.SIGINT)
+                elif name == "Ctrl-C":
+                    child.send_signal(signal.SIGINT)
+                elif name.startswith("SIG"):
+                    child.send_signal(getattr(signal, name))
+                if name in ("freed", "in a run, caught"):
+                    motors.until(lambda rpm: abs(rpm) < 5, name)
+                    child.kill()
                 child.wait(10)
                 child.stdout.close()
                 self.assertLess(abs(motors.rpm()), 5, name)

@@ -10,18 +10,22 @@
     # Leaving the block stops the motors and confirms it: see bus.last_stop.
 
 The loop runs in Rust, at up to 500 setpoints a second to each motor, whatever the interpreter does. A program that does not
-call the bus for a second has its motors stopped: wait with `bus.sleep`, or open with `keepalive=False`. If the program is
-killed, many motors keep their last command for ever; the next program on that adapter stops them first. The power switch
-is the only emergency stop.
+call the bus for a second has its motors stopped: wait with `bus.sleep`, or open with `keepalive=False`. The end of the
+program, Ctrl-C, SIGTERM and SIGHUP stop them too. After `kill -9`, many motors keep their last command for ever; the next
+program on that adapter stops them first. The power switch is the only emergency stop.
 """
 
 from __future__ import annotations
 
 import asyncio
+import atexit
 import json
 import os
+import signal
 import sys
+import threading
 import time
+import weakref
 from collections.abc import AsyncIterator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -122,9 +126,9 @@ class Group:
         return self._bus._stopped(self._bus._line.stop(self.ids), self.ids)
 
     def readings(self, seconds: float | None = None) -> Iterator[Reading]:
-        """The readings as they come, for so long, or for ever. Raises NotDone if the drive ends by itself."""
+        """The readings as they come, for this many seconds, or for ever. Raises NotDone if the drive ends by itself."""
         line = self._bus._line
-        reader = line.begin_reading(self.ids)
+        reader = line.begin_reading(self._motors)
         try:
             begun = time.monotonic()
             while (left := _left(begun, seconds)) > 0:
@@ -135,7 +139,7 @@ class Group:
     async def readings_async(self, seconds: float | None = None) -> AsyncIterator[Reading]:
         """The same for `async for`."""
         line = self._bus._line
-        reader = line.begin_reading(self.ids)
+        reader = line.begin_reading(self._motors)
         try:
             begun = time.monotonic()
             while (left := _left(begun, seconds)) > 0:
@@ -176,8 +180,8 @@ class Motor(Group):
 
     @property
     def reading(self) -> Reading | None:
-        """Its last reading; None before the first."""
-        return self._bus._line.latest(self.id)
+        """Its last reading; None if it has not replied for half a second."""
+        return self._bus._line.latest(self._motors[0])
 
     def step(self, *, rate_hz: int = 200, **parameters: float | Sequence[float]) -> Run:
         """Measures the step response, such as `step(to_rpm=120, repeats=3)`. The wheel turns."""
@@ -202,8 +206,10 @@ class Motor(Group):
 class Bus:
     """An open line of motors. Use it in a `with` or `async with` block, which stops the motors at its end."""
 
-    def __init__(self, line: _motorlink.Line) -> None:
+    def __init__(self, line: _motorlink.Line, settings: dict[str, Any]) -> None:
         self._line = line
+        #: Setpoints a second, ramp, limits: see `limits`.
+        self._settings = settings
         #: What the last stop has shown; None before one.
         self.last_stop: Stop | None = None
 
@@ -239,13 +245,11 @@ class Bus:
         return Group(self, motors)
 
     def stop(self) -> Stop:
-        """Stops all motors until each reports standstill. Then they may be driven again."""
-        stop = self._stopped(self._line.stop(None), [])
-        self._line.release()
-        return stop
+        """Stops all motors until each reports standstill. None is driven again before `release`."""
+        return self._stopped(self._line.stop(None), [])
 
     def release(self) -> None:
-        """Allows driving again after the bus has stopped all motors by itself."""
+        """Allows driving again after `stop`, or after the bus has stopped all motors by itself."""
         self._line.release()
 
     def sleep(self, seconds: float) -> None:
@@ -255,19 +259,24 @@ class Bus:
     def limits(
         self,
         *,
-        rpm: int = 330,
-        amps: float = 2.7,
-        celsius: int = 75,
+        rpm: int | None = None,
+        amps: float | None = None,
+        celsius: int | None = None,
         ramp_rpm_s: int | None = None,
-        rate_hz: int = 50,
+        rate_hz: int | None = None,
     ) -> None:
-        """Sets limits: a driven motor that exceeds one is stopped. `ramp_rpm_s` is how fast a commanded speed may grow, and
-        `rate_hz` the setpoints a second to each motor, 1 to 500.
+        """Sets limits: a driven motor that exceeds one is stopped. What is not given stays as it is; at first 330 rpm, 2.7 A
+        and 75 deg C. `ramp_rpm_s` is how fast a commanded speed may grow (0: no ramp), and `rate_hz` the setpoints a second
+        to each motor, 1 to 500.
         """
-        self._line.configure((rate_hz, ramp_rpm_s, (rpm, amps, celsius)))
+        given = locals()
+        changed = {name: given[name] for name in self._settings if given[name] is not None}
+        settings = self._settings | changed
+        self._line.configure(_settings(settings))
+        self._settings = settings
 
     def scan(self) -> list[int]:
-        """The IDs that answer: every ID is asked, in two seconds."""
+        """The IDs that answer: every ID is asked, in two seconds. Driven motors are stopped first."""
         return self._line.scan()
 
     def set_id(self, new: int) -> int:
@@ -283,10 +292,15 @@ class Bus:
         return self._line.take_notes()
 
     def close(self) -> None:
-        """Stops the motors, waits until they stand, and closes the line."""
-        stopped, may_turn = self._line.close()
+        """Stops the motors, waits until they stand, and closes the line. Raises NotDone if one may turn."""
+        stopped, may_turn, wrong = self._line.close()
         if stopped or may_turn:
             self.last_stop = Stop([motor for motor, stands in stopped if stands], may_turn)
+        if may_turn:
+            ids = ", ".join(map(str, may_turn))
+            wrong = f"motors {ids} may turn: cut their power" + (f" ({wrong})" if wrong else "")
+        if wrong:
+            raise NotDone(wrong)
 
     def _stopped(self, told: list[tuple[int, bool]], asked: list[int]) -> Stop:
         confirmed = [motor for motor, stands in told if stands]
@@ -297,6 +311,68 @@ class Bus:
 
 
 _builtin_open = open
+
+#: Every bus that is open, so that the end of the program stops its motors.
+_buses: weakref.WeakSet[Bus] = weakref.WeakSet()
+
+#: Signals that end or suspend a program. Ctrl-C raises KeyboardInterrupt.
+_SIGNALS = [
+    getattr(signal, name)
+    for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP")
+    if hasattr(signal, name)
+]
+
+
+def _close_all() -> None:
+    for bus in list(_buses):
+        try:
+            bus.close()
+        except Error as error:
+            print(f"motorlink: {error}", file=sys.stderr)
+
+
+def _end(number: int, _: object) -> None:
+    """Stops the motors before a signal does what it does by itself."""
+    _close_all()
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
+
+
+def _forget_all() -> None:
+    """In the child of a fork: the line is the parent's."""
+    for bus in list(_buses):
+        bus._line.forget()
+    _buses.clear()
+
+
+def _opened(
+    port: str | None,
+    model: str | None,
+    ids: list[int] | None,
+    rate_hz: int,
+    keepalive: bool,
+    timeout: float,
+) -> Bus:
+    first = {"rpm": 330, "amps": 2.7, "celsius": 75, "ramp_rpm_s": 0, "rate_hz": rate_hz}
+    if threading.current_thread() is threading.main_thread():
+        for number in _SIGNALS:
+            # A program that handles it itself closes the bus itself.
+            if signal.getsignal(number) == signal.SIG_DFL:
+                signal.signal(number, _end)
+    motors = [(id, False) for id in ids or []]
+    line = _motorlink.Line.open(port, model, motors, ids, keepalive, _settings(first), timeout)
+    bus = Bus(line, first)
+    _buses.add(bus)
+    return bus
+
+
+def _settings(of: dict[str, Any]) -> tuple[int, int | None, tuple[int, float, int]]:
+    return of["rate_hz"], of["ramp_rpm_s"] or None, (of["rpm"], of["amps"], of["celsius"])
+
+
+atexit.register(_close_all)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_all)
 
 
 def open(  # noqa: A001: the name that one expects
@@ -313,8 +389,7 @@ def open(  # noqa: A001: the name that one expects
     setpoints a second to each motor, 1 to 500. With `keepalive`, a program that does not call the bus for a second has its
     motors stopped. `timeout` is the time for the first reply of a motor, in seconds.
     """
-    settings = (rate_hz, None, (330, 2.7, 75))
-    return Bus(_motorlink.Line.open(port, model, [], None, keepalive, settings, timeout))
+    return _opened(port, model, None, rate_hz, keepalive, timeout)
 
 
 def virtual(
@@ -325,9 +400,7 @@ def virtual(
     keepalive: bool = True,
 ) -> Bus:
     """Virtual motors in this process, without hardware."""
-    settings = (rate_hz, None, (330, 2.7, 75))
-    motors = [(id, False) for id in ids]
-    return Bus(_motorlink.Line.open(None, model, motors, list(ids), keepalive, settings, 1.0))
+    return _opened(None, model, list(ids), rate_hz, keepalive, 1.0)
 
 
 def command() -> None:
