@@ -6,32 +6,9 @@ stops it then.
 
 import motorlink
 
-SEQUENCE = r"""{
-  "motorlink_sequence": 1,
-  "name": "Two \"\"\" wheels",
-  "limits": {
-    "rpm": 200
-  },
-  "steps": [
-    {
-      "shape": "ramp",
-      "rpm": 60,
-      "for_s": 0.4
-    },
-    {
-      "repeat": 2,
-      "steps": [
-        {
-          "shape": "sine",
-          "rpm": 60,
-          "amplitude": 20,
-          "hz": 4,
-          "for_s": 0.25
-        }
-      ]
-    }
-  ]
-}"""
+SEQUENCE = r"""{ "motorlink_sequence": 1, "name": "Two \"\"\" wheels", "limits": { "rpm": 200 }, "steps": [ {
+"shape": "ramp", "rpm": 60, "for_s": 0.4 }, { "repeat": 2, "steps": [ { "shape": "sine", "rpm": 60,
+"amplitude": 20, "hz": 4, "for_s": 0.25 } ] } ] }"""
 
 with motorlink.open("/dev/ttyUSB0") as bus:
     motors = bus.group(1, -2)

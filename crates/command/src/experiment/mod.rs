@@ -38,7 +38,7 @@ const DRAW: Duration = Duration::from_millis(200);
 
 /// Runs an experiment, prints its figures, and writes its files.
 pub fn run(global: &Global, asked: Asked<'_>, how: &RunHow, ender: &Ender) -> Result<(), Failure> {
-    // Files that cannot be written are known before a wheel turns.
+    // A folder that cannot be made is known before a wheel turns.
     if let Some(folder) = &how.out {
         std::fs::create_dir_all(folder).map_err(Failure::file(folder))?;
     }

@@ -2,6 +2,9 @@
 
 use super::{Program, plain};
 
+/// Characters of a line.
+const WIDTH_MAX: usize = 100;
+
 /// The program. The package runs the sequence, and stops the motors at its end, on an error and on Ctrl-C.
 #[must_use]
 pub fn python(program: &Program<'_>) -> String {
@@ -17,8 +20,7 @@ pub fn python(program: &Program<'_>) -> String {
     let ids = ids.collect::<Vec<_>>().join(", ");
     let (name, port) = (plain(&sequence.name), plain(port));
     // In a raw string. JSON has a backslash before each quote of a text, so no text ends it.
-    let json = sequence.to_json();
-    let json = json.trim_end();
+    let json = dense(&sequence.to_json());
     format!(
         r#""""{name}: {plan}.
 
@@ -40,4 +42,21 @@ with motorlink.open("{port}") as bus:
 print(bus.last_stop)
 "#
     )
+}
+
+/// The same JSON with as much on a line as fits. It has a line for each value, and no text has a line break.
+fn dense(json: &str) -> String {
+    let mut out = String::new();
+    let mut width = 0;
+    for part in json.lines().map(str::trim) {
+        if width + part.len() < WIDTH_MAX && width > 0 {
+            out.push(' ');
+        } else if width > 0 {
+            out.push('\n');
+            width = 0;
+        }
+        out.push_str(part);
+        width += part.len() + 1;
+    }
+    out
 }
