@@ -1,16 +1,18 @@
 //! The command line.
 
-use std::{fmt::Write, path::PathBuf, time::Duration};
+use std::{path::PathBuf, time::Duration};
 
 #[cfg(unix)]
 use crate::virtual_motors::VirtualMotors;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use motorlink_bus::{CommandRate, Ramp};
-use motorlink_experiments::study::{Study, StudyKind};
-use motorlink_protocol::{AssignableId, Frame, MotorId, family::Model};
+use motorlink_experiments::study::StudyKind;
+use motorlink_protocol::{AssignableId, Frame, family::Model};
 
 use crate::{
+    experiment::arguments::{Property, RunHow, parameters_of},
     parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
+    session::arguments::SessionAction,
     signed_id::SignedId,
 };
 
@@ -301,138 +303,6 @@ pub struct How {
     /// Record to this session file (.mcap)
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-}
-
-/// What is measured of a motor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Property {
-    /// The current that a free wheel needs, by speed
-    Friction,
-    /// Inertia and friction, from pushes and coasting
-    CoastDown,
-    /// How the winding warms up at a constant current, with the wheel blocked or loaded
-    Heating,
-    /// Speed by torque, while a person brakes the wheel
-    TorqueSpeed,
-    /// What the motor does when drive frames cease
-    WhenFramesCease,
-}
-
-impl Property {
-    const KINDS: [StudyKind; 5] = [
-        StudyKind::Friction,
-        StudyKind::CoastDown,
-        StudyKind::Heating,
-        StudyKind::TorqueSpeed,
-        StudyKind::Silence,
-    ];
-
-    pub const fn kind(self) -> StudyKind {
-        match self {
-            Self::Friction => StudyKind::Friction,
-            Self::CoastDown => StudyKind::CoastDown,
-            Self::Heating => StudyKind::Heating,
-            Self::TorqueSpeed => StudyKind::TorqueSpeed,
-            Self::WhenFramesCease => StudyKind::Silence,
-        }
-    }
-}
-
-/// How an experiment is run, and what is made of it.
-#[derive(Clone, Debug, Args)]
-pub struct RunHow {
-    /// Do not ask before the wheels turn
-    #[arg(long)]
-    pub yes: bool,
-    /// Setpoints a second to each motor, 1-500
-    #[arg(long, default_value = "200", value_parser = rate, value_name = "HZ")]
-    pub rate: CommandRate,
-    /// Print the figures as JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Write to this folder: the run (JSON), its setpoints and samples (CSV), its figures (CSV), and a report (HTML)
-    #[arg(long, value_name = "FOLDER")]
-    pub out: Option<PathBuf>,
-    /// Record the line to this session file (.mcap)
-    #[arg(long, value_name = "FILE")]
-    pub record: Option<PathBuf>,
-}
-
-/// The parameters of these studies with their defaults and ranges, for the help.
-fn parameters_of(kinds: &[StudyKind]) -> String {
-    let mut text = String::new();
-    for kind in kinds {
-        let mut study = Study::of(*kind, MotorId::FIRST);
-        let parameters = study.parameters();
-        if parameters.is_empty() {
-            continue;
-        }
-        let name = kind.field().replace('_', "-");
-        let _ = writeln!(
-            text,
-            "{}Parameters of {name}:",
-            if text.is_empty() { "" } else { "\n" }
-        );
-        for parameter in parameters {
-            let (min, max) = parameter.range;
-            let _ = writeln!(
-                text,
-                "  {:16} {} ({min} to {max})",
-                parameter.name,
-                parameter.value()
-            );
-        }
-    }
-    text
-}
-
-/// What to do with a session file.
-#[derive(Debug, Subcommand)]
-pub enum SessionAction {
-    /// Print what is in a file, by its index
-    Info {
-        /// The file
-        file: PathBuf,
-    },
-    /// Read every record, and say what is missing or damaged. Exit code 1 if anything is
-    Check {
-        /// The file
-        file: PathBuf,
-    },
-    /// Convert a file. Exit code 1 if something of it is missing or damaged
-    Export {
-        /// The file
-        file: PathBuf,
-        /// What to make of it
-        #[arg(long, value_enum, default_value_t = Format::Plot)]
-        format: Format,
-        /// Where to write it; without it, to the standard output
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-    /// Write each run of an experiment as JSON, and as CSV of its setpoints and samples. Exit code 1 if one is unreadable
-    Runs {
-        /// The file
-        file: PathBuf,
-        /// The folder to write to
-        #[arg(long, default_value = ".")]
-        out: PathBuf,
-    },
-}
-
-/// What to make of a session file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// CSV for plotting, as in PlotJuggler: seconds, and a column for each motor and quantity
-    Plot,
-    /// CSV of telemetry, with the columns of the article's monitor script
-    Telemetry,
-    /// CSV of the packet log
-    Log,
-    /// What happened, as one HTML file
-    Report,
-    /// A session file, such as of a CSV file
-    Mcap,
 }
 
 #[cfg(test)]

@@ -245,6 +245,8 @@ class OnASerialPort(unittest.TestCase):
             "exit": "sys.exit(3)\n",
             "Ctrl-C": "bus.sleep(60)\n",
             "SIGTERM": "bus.sleep(60)\n",
+            "SIGQUIT": "bus.sleep(60)\n",
+            "SIGTSTP": "bus.sleep(60)\n",
             "SIGHUP": "import time\ntime.sleep(60)\n",
             "freed": "del bus\nimport time\ntime.sleep(60)\n",
             "in a run, caught": (
@@ -271,7 +273,8 @@ class OnASerialPort(unittest.TestCase):
                     child.send_signal(signal.SIGINT)
                 elif name.startswith("SIG"):
                     child.send_signal(getattr(signal, name))
-                if name in ("freed", "in a run, caught"):
+                # The last one suspends the program.
+                if name in ("freed", "in a run, caught", "SIGTSTP"):
                     motors.until(lambda rpm: abs(rpm) < 5, name)
                     child.kill()
                 child.wait(10)
@@ -379,6 +382,18 @@ class TheGeneratedProgram(unittest.TestCase):
 
 
 class TheCommand(unittest.TestCase):
+    def test_a_signal_stops_what_it_drives(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number), Motors() as motors:
+                command = [sys.executable, "-c", "import motorlink; motorlink.command()"]
+                line = ["--port", motors.port, "--id", "1", "drive", "velocity", "100"]
+                child = subprocess.Popen([*command, *line], stderr=subprocess.PIPE, text=True)
+                motors.until(lambda rpm: rpm > 90, "it drives")
+                child.send_signal(number)
+                self.assertIn("stands, confirmed", child.communicate(timeout=10)[1])
+                self.assertEqual(child.returncode, 0)
+                self.assertLess(abs(motors.rpm()), 5)
+
     def test_the_package_brings_it(self):
         command = [sys.executable, "-c", "import motorlink; motorlink.command()"]
         told = subprocess.run(

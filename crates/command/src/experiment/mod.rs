@@ -2,10 +2,12 @@
 //!
 //! | file | what it is |
 //! |---|---|
+//! | `arguments` | their part of the command line |
 //! | `asked` | what is asked, from a file or from parameters |
 //! | `figures` | the figures as text |
 //! | `files` | the files that are written |
 
+pub mod arguments;
 mod asked;
 mod figures;
 mod files;
@@ -20,11 +22,12 @@ use motorlink_experiments::{kept::figures_to_json, plan::Fleet, runner::End};
 use motorlink_protocol::MotorId;
 use motorlink_runs::RecordedRun;
 
+use arguments::RunHow;
 pub use asked::{Asked, assign, file_study};
 pub use figures::to_text;
 
 use crate::{
-    arguments::{Global, RunHow},
+    arguments::Global,
     confirm::confirm_on,
     connection::{Connection, Happened, most_serious},
     failure::Failure,

@@ -12,7 +12,7 @@ use motorlink_session::{
 };
 
 use crate::{
-    arguments::Format,
+    session::arguments::Format,
     session::{
         file::{Failure, Opened},
         info::exit_code,

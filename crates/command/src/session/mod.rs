@@ -1,11 +1,13 @@
 //! The command `session`: prints, checks and converts session files.
 
+pub mod arguments;
 mod export;
 mod file;
 mod info;
 mod runs;
 
-use crate::{arguments::SessionAction, failure::USAGE};
+use crate::failure::USAGE;
+use arguments::SessionAction;
 use file::{Failure, Opened};
 
 /// Does what was asked. Exit code 1 if something of the file is missing or damaged, 2 if it cannot be read at all.
