@@ -64,6 +64,7 @@ pub(crate) struct Overlay {
     second: HtmlElement,
     /// What a drag encloses.
     zoom: HtmlElement,
+    zoomed: Option<[(f64, f64); 2]>,
     values: HtmlElement,
     aloud: Attribute,
     when: Text,
@@ -106,6 +107,7 @@ impl Overlay {
             line: html(".graph-cross")?,
             second: html(".graph-cross.second")?,
             zoom: html(".graph-zoom")?,
+            zoomed: None,
             values: html(".graph-values")?,
             aloud: Attribute::find(graph, ".graph-values", "aria-live")?,
             when: Text::of(find(".graph-when")?),
@@ -151,7 +153,12 @@ impl Overlay {
     }
 
     /// Shows what a drag encloses, by two opposite corners in CSS pixels.
-    pub(crate) fn show_box(&self, corners: Option<[(f64, f64); 2]>) {
+    pub(crate) fn show_box(&mut self, corners: Option<[(f64, f64); 2]>) {
+        // The browser restyles the page for each write, also of the same value.
+        if corners == self.zoomed {
+            return;
+        }
+        self.zoomed = corners;
         self.zoom.set_hidden(corners.is_none());
         if let Some([from, to]) = corners {
             let style = self.zoom.style();
