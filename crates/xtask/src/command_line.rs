@@ -113,6 +113,9 @@ pub struct Selection {
     /// Run one step, and those it needs
     #[arg(long, value_name = "STEP")]
     pub only: Option<String>,
+    /// Run this step too, which a whole run leaves out
+    #[arg(long, value_name = "STEP", conflicts_with = "only")]
+    pub with: Option<String>,
     /// Print the names of the steps
     #[arg(long, conflicts_with = "only")]
     pub list: bool,

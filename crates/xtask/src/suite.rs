@@ -26,7 +26,7 @@ pub struct Step {
     pub needs: &'static [&'static str],
     /// An earlier step that leaves processors idle: in a whole run this one runs meanwhile, at low priority.
     pub beside: Option<&'static str>,
-    /// Whether it runs only where `--only` names it: it installs much.
+    /// Whether it runs only where `--only` or `--with` names it.
     pub on_request: bool,
     /// Runs it.
     pub run: fn(&Workspace) -> Result<()>,
@@ -106,16 +106,16 @@ impl Suite {
             self.list();
             return Ok(());
         }
-        let only = selection.only.as_deref();
-        let only = only.map(|name| self.step(name)).transpose()?;
-        self.run_steps(workspace, &self.select(only))
+        let named = |name: &Option<String>| name.as_deref().map(|name| self.step(name)).transpose();
+        let (only, with) = (named(&selection.only)?, named(&selection.with)?);
+        self.run_steps(workspace, &self.select(only, with))
     }
 
     /// Prints each step and what it shows.
     fn list(&self) {
         for step in self.steps {
             let when = if step.on_request {
-                " (only by --only)"
+                " (only by --only or --with)"
             } else {
                 ""
             };
@@ -129,11 +129,11 @@ impl Suite {
         step.ok_or_else(unknown)
     }
 
-    fn select(&self, only: Option<&Step>) -> Vec<&'static Step> {
+    fn select(&self, only: Option<&Step>, with: Option<&Step>) -> Vec<&'static Step> {
         let is_selected = |step: &&Step| {
             only.map_or(!step.on_request, |only| {
                 only.name == step.name || only.needs.contains(&step.name)
-            })
+            }) || with.is_some_and(|with| with.name == step.name)
         };
         self.steps.iter().filter(is_selected).collect()
     }
@@ -185,7 +185,22 @@ impl Suite {
     }
 }
 
-/// A program that gets only the processor time that others leave.
+/// This program, on the processor time that nobody else wants, where the system has such a thing.
+///
+/// # Errors
+///
+/// When it has no file.
+pub fn idle_program() -> Result<Command> {
+    let program = env::current_exe().context("no program to run beside this one")?;
+    if !cfg!(target_os = "linux") {
+        return Ok(Command::new(program));
+    }
+    let mut command = Command::new("chrt");
+    command.args(["--idle", "0"]).arg(program);
+    Ok(command)
+}
+
+/// A program that gets little processor time while others want it.
 fn low_priority(program: PathBuf) -> Command {
     if cfg!(windows) {
         return Command::new(program);
@@ -225,15 +240,22 @@ mod tests {
     fn one_step_brings_those_it_needs_in_order() {
         let names = |only| -> Vec<&str> {
             let only = test::SUITE.step(only).unwrap();
-            let steps = test::SUITE.select(Some(only));
+            let steps = test::SUITE.select(Some(only), None);
             steps.iter().map(|step| step.name).collect()
         };
         assert_eq!(names("native"), ["native"]);
         assert_eq!(names("end-to-end"), ["build", "end-to-end"]);
         let is_usual = |name: &str| {
-            let usual = test::SUITE.select(None);
+            let usual = test::SUITE.select(None, None);
             usual.iter().any(|step| step.name == name)
         };
+        let checks = test::SUITE.step("checks").unwrap();
+        let with_checks = test::SUITE.select(None, Some(checks));
+        assert_eq!(
+            with_checks.len(),
+            test::SUITE.select(None, None).len() + 1,
+            "--with adds a step"
+        );
         for step in test::SUITE.steps {
             assert_eq!(is_usual(step.name), !step.on_request, "{}", step.name);
             assert!(names(step.name).contains(&step.name));

@@ -10,7 +10,7 @@ use crate::python;
 use crate::scenarios;
 use crate::site;
 use crate::site_file::Profile;
-use crate::suite::{Step, Suite};
+use crate::suite::{self, Step, Suite};
 use crate::workspace::Workspace;
 
 /// Every step, in order.
@@ -95,6 +95,19 @@ pub static SUITE: Suite = Suite {
             beside: None,
             on_request: true,
             run: python::open_csv_files,
+        },
+        Step {
+            name: "checks",
+            about: "`cargo xtask check`, on the processor time that the browser leaves",
+            needs: &[],
+            beside: Some("end-to-end"),
+            on_request: true,
+            run: |workspace| {
+                let mut check = suite::idle_program()?;
+                // In its own folder: cargo lets nobody else use one in which it builds.
+                check.env("CARGO_TARGET_DIR", workspace.target().join("checks"));
+                process::run(check.arg("check"))
+            },
         },
         Step {
             name: "end-to-end-alone",
