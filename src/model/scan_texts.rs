@@ -1,5 +1,6 @@
 //! Texts about the results of scans and ID changes.
 
+use motorlink_diagnosis::{blocks, no_blocks};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
@@ -40,19 +41,6 @@ fn text(tone: Tone, title: impl Into<String>, advice: &[&str]) -> NoticeText {
             Tone::Warning | Tone::Error => Some(HelpTopic::TwoMotorsOneId),
         },
     }
-}
-
-/// The adapter keeps replies back.
-pub(crate) fn blocks() -> &'static str {
-    tr!("The adapter delivers only blocks of 32 bytes")
-}
-
-/// What to do about that.
-pub(crate) fn no_blocks() -> &'static str {
-    tr!(
-        "Replies wait in the adapter until 32 bytes are there, so they come too late. Use another \
-         adapter or driver."
-    )
 }
 
 /// Whether this notice is one that the ID manager shows itself.

@@ -36,7 +36,7 @@ const CRATES: [&[&str]; 11] = [
         "motorlink-runs",
         "motorlink-kept-runs",
     ],
-    &["motorlink-messages"],
+    &["motorlink-messages", "motorlink-diagnosis"],
     &[
         "motorlink-bus",
         "motorlink-experiments",

@@ -1,14 +1,12 @@
 //! The line in figures, as HTML. Their places have their widths in the style sheet, so that no figure
 //! moves another.
 
+use motorlink_diagnosis::{echoed, garbled};
 use motorlink_i18n::tr;
 use motorlink_messages::bus::{Counters, LineStatus, ROUND_TRIP_BINS_US, RoundTripStatus};
 
 use crate::{
-    features::link_doctor::{
-        doctor::{echoed, garbled},
-        markup::push,
-    },
+    features::link_doctor::markup::push,
     model::snapshot::Session,
     ui::{
         format::{UNKNOWN, grouped, milliseconds},

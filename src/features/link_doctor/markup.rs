@@ -1,11 +1,12 @@
 //! The panel as HTML.
 
+use motorlink_diagnosis::{Verdict, cause, remedy, some_lost, too_little, well};
 use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
 
-use crate::features::link_doctor::{
-    doctor::Verdict,
-    texts::{self, no_virtual_wire, of_diagnosis},
+use crate::{
+    features::link_doctor::texts::{self, no_virtual_wire, of_diagnosis},
+    model::scan_texts::wiring,
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
@@ -102,14 +103,14 @@ pub(crate) fn verdict(verdict: &Verdict) -> String {
     let mut html = String::new();
     let (class, text) = match verdict {
         Verdict::NotConnected => ("", texts::not_connected()),
-        Verdict::TooLittle => ("", texts::too_little()),
-        Verdict::Healthy => ("good", texts::well()),
-        Verdict::SomeLoss => ("", texts::some_lost()),
+        Verdict::TooLittle => ("", too_little()),
+        Verdict::Healthy => ("good", well()),
+        Verdict::SomeLoss => ("", some_lost()),
         Verdict::Faulty(found) => {
             for diagnosis in found {
-                let cause = texts::cause(*diagnosis);
+                let cause = cause(*diagnosis);
                 push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
-                for line in texts::remedy(*diagnosis) {
+                for line in remedy(*diagnosis, &wiring()) {
                     push(&mut html, &["<p>", line, "</p>"]);
                 }
                 let topic = of_diagnosis(*diagnosis);
@@ -134,10 +135,10 @@ pub(crate) fn push(html: &mut String, parts: &[&str]) {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_diagnosis::Diagnosis;
     use motorlink_messages::protocol::MotorId;
 
     use super::*;
-    use crate::features::link_doctor::doctor::Diagnosis;
 
     #[test]
     fn every_diagnosis_has_a_cause_and_a_remedy() {

@@ -1,9 +1,7 @@
 //! How well the line works, and what is wrong with it.
 
-pub(crate) mod doctor;
 pub(crate) mod figures;
 pub(crate) mod markup;
 pub(crate) mod panel;
 pub(crate) mod quality;
-pub(crate) mod record;
 pub(crate) mod texts;

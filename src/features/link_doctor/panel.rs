@@ -3,16 +3,13 @@
 //! Its elements are one text of HTML and stay; what they read is text too, written where it changes.
 
 use leptos::{html, prelude::*};
+use motorlink_diagnosis::{self as diagnosis, Line, Record};
 use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use crate::{
-    features::link_doctor::{
-        figures, markup,
-        record::Record,
-        texts::{self, no_virtual_wire},
-    },
+    features::link_doctor::{figures, markup, texts::no_virtual_wire},
     model::{page::Page, place::Place},
     ui::{
         frame_rate::frame_rate,
@@ -68,6 +65,8 @@ pub(crate) fn LinkPanel(
 
 /// What changes in the panel.
 struct Elements {
+    /// Of the line that the doctor looks at.
+    connection: Connection,
     doctor: Option<Text>,
     /// The figures that it judged by.
     judged: Option<Text>,
@@ -80,6 +79,7 @@ impl Elements {
     fn of(panel: &Element) -> Self {
         let find = |selector: &str| panel.query_selector(selector).ok().flatten();
         Self {
+            connection: Connection::Disconnected,
             doctor: find(".link-doctor").map(Text::new),
             judged: find(".link-judged").map(Text::new),
             figures: markup::FIGURES.map(|selector| find(selector).map(Text::new)),
@@ -92,12 +92,21 @@ impl Elements {
     fn show(&mut self, page: Page, virtual_wire: StoredValue<usize>, record: &mut Record) {
         let is_open = page.place() == Place::Diagnose;
         page.shown.with(|session| {
-            if record.look(session)
+            if self.connection != session.connection {
+                self.connection = session.connection;
+                record.clear();
+            }
+            let line = session.line.as_ref().map(|status| Line {
+                now: session.now,
+                status,
+                motors: &session.motors,
+            });
+            if record.look(line)
                 && let Some(doctor) = &mut self.doctor
             {
                 doctor.write(markup::verdict(record.verdict()));
                 if let Some(judged) = &mut self.judged {
-                    judged.write(texts::judged(record.judged()));
+                    judged.write(diagnosis::judged(record.judged()));
                 }
             }
             let asked_hz = page.preferences.with(|chosen| chosen.rate.hertz());

@@ -2,16 +2,12 @@
 
 use std::time::Duration;
 
-use motorlink_messages::{
-    Adapter, Connection,
-    bus::{Bus, Command, Consent, Event, Output},
-    protocol::{Instant, Setpoint, SpeedTarget},
-};
+use motorlink_bus::{Bus, Command, Consent, Event, Output};
+use motorlink_protocol::{Setpoint, SpeedTarget};
 use motorlink_simulator::{Beside, LineCondition, WireFaults, World, WorldConfig};
 
 use super::*;
-use crate::features::link_doctor::record::Record;
-use crate::model::snapshot::Session;
+use crate::doctor::Diagnosis;
 
 const ID: MotorId = MotorId::FIRST;
 
@@ -55,21 +51,20 @@ impl RecordedBus {
         self.bus.command(self.now, command).unwrap();
     }
 
-    fn session(&self) -> Session {
-        Session {
+    fn look(&mut self) {
+        let motors: Vec<_> = self.bus.motors(self.now).collect();
+        let status = self.bus.line_status(self.now);
+        self.record.look(Some(Line {
             now: self.now,
-            connection: Connection::Connected(Adapter::VIRTUAL),
-            motors: self.bus.motors(self.now).collect(),
-            line: Some(self.bus.line_status(self.now)),
-            ..Session::default()
-        }
+            status: &status,
+            motors: &motors,
+        }));
     }
 
     fn run(&mut self, seconds: u64) -> &Verdict {
         for _ in 0..seconds * 10 {
             self.run_to(self.now + Duration::from_millis(100));
-            let session = self.session();
-            self.record.look(&session);
+            self.look();
         }
         self.record.verdict()
     }
@@ -156,17 +151,14 @@ fn a_driven_motor_on_a_good_line_is_healthy() {
 }
 
 #[test]
-fn another_connection_starts_again_and_none_is_none() {
+fn a_cleared_record_starts_again_and_without_a_port_there_is_none() {
     let mut bus = RecordedBus::new(LineCondition::Dead);
     assert_eq!(*bus.record.verdict(), Verdict::NotConnected);
     assert!(matches!(bus.run(10), Verdict::Faulty(_)));
-    let other = Session {
-        connection: Connection::Connected(Adapter::Serial(None)),
-        ..bus.session()
-    };
-    bus.record.look(&other);
+    bus.record.clear();
+    bus.look();
     assert_eq!(*bus.record.verdict(), Verdict::TooLittle);
-    bus.record.look(&Session::default());
+    bus.record.look(None);
     assert_eq!(*bus.record.verdict(), Verdict::NotConnected);
 }
 
@@ -198,7 +190,7 @@ fn faulty(faults: WireFaults, seed: u64) -> RecordedBus {
 
 /// The header's figure.
 fn loss_per_mille(bus: &RecordedBus) -> Option<u16> {
-    bus.session().motors.first()?.link.loss_per_mille
+    bus.bus.motors(bus.now).next()?.link.loss_per_mille
 }
 
 #[test]
@@ -368,8 +360,7 @@ fn a_device_that_sends_text_is_named() {
         for tick in 0..600 {
             bus.bus.receive(bus.now, text);
             bus.run_to(bus.now + Duration::from_millis(50));
-            let session = bus.session();
-            bus.record.look(&session);
+            bus.look();
             if tick > 40 {
                 let named = Verdict::Faulty(vec![Diagnosis::Text]);
                 assert_eq!(*bus.record.verdict(), named, "after {tick} texts");

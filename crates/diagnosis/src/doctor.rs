@@ -1,4 +1,4 @@
-//! The link doctor: from what happened on the line to the likely cause.
+//! From what happened on the line to the likely cause.
 //!
 //! | what is seen | what it is likely to be |
 //! |---|---|
@@ -17,10 +17,8 @@
 
 use std::ops::AddAssign;
 
-use motorlink_messages::{
-    bus::{Counters, RoundTripStatus},
-    protocol::MotorId,
-};
+use motorlink_bus::{Counters, RoundTripStatus};
+use motorlink_protocol::MotorId;
 
 /// So few, and all answered, do not prove a line good: of 40 requests on a line that loses one of five, one
 /// at most is lost once in 700 times.
@@ -64,7 +62,7 @@ const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
 
 /// What is likely to be wrong, most likely first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Diagnosis {
+pub enum Diagnosis {
     /// Another device than a motor sends text.
     Text,
     /// Blocks of 32 bytes are received, and nothing between them.
@@ -95,7 +93,7 @@ pub(crate) enum Diagnosis {
 
 /// The result of a diagnosis.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub enum Verdict {
     /// No port is open.
     #[default]
     NotConnected,
@@ -111,32 +109,32 @@ pub(crate) enum Verdict {
 
 /// Ends of exchanges and oddities, in a time or of a kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub struct Tally {
     /// Requests that expect a reply.
-    pub(crate) asked: u32,
+    pub asked: u32,
     /// Good replies in time.
-    pub(crate) answered: u32,
+    pub answered: u32,
     /// Exchanges without a reply, apart from an echo.
-    pub(crate) silent: u32,
+    pub silent: u32,
     /// Windows in which bytes came and no good frame.
-    pub(crate) garbled: u32,
+    pub garbled: u32,
     /// Requests that came back, whole or cut short.
-    pub(crate) echoed: u32,
+    pub echoed: u32,
     /// Good frames of a motor that was not asked.
-    pub(crate) foreign: u32,
+    pub foreign: u32,
     /// Replies after their window. Each is among the silent or the garbled, too.
-    pub(crate) late: u32,
+    pub late: u32,
     /// Bytes of a pair that nothing drives.
-    pub(crate) levels: u32,
+    pub levels: u32,
     /// Bytes of text.
-    pub(crate) text: u32,
+    pub text: u32,
     /// Chunks of 32 bytes.
-    pub(crate) blocks: u32,
+    pub blocks: u32,
 }
 
 impl Tally {
     /// What was counted after `earlier`; nothing where counting started again.
-    pub(crate) fn since(earlier: &Counters, later: &Counters) -> Self {
+    pub fn since(earlier: &Counters, later: &Counters) -> Self {
         let more = |of: fn(&Counters) -> u64| {
             let more = of(later).saturating_sub(of(earlier));
             u32::try_from(more).unwrap_or(u32::MAX)
@@ -192,56 +190,59 @@ impl AddAssign for Tally {
 }
 
 /// Windows in which bytes came and no good frame.
-pub(crate) const fn garbled(counters: &Counters) -> u64 {
+#[must_use]
+pub const fn garbled(counters: &Counters) -> u64 {
     counters.bad_crcs.saturating_add(counters.fragments)
 }
 
 /// Requests that came back, whole or cut short.
-pub(crate) const fn echoed(counters: &Counters) -> u64 {
+#[must_use]
+pub const fn echoed(counters: &Counters) -> u64 {
     counters.echoes_whole.saturating_add(counters.echoes_cut)
 }
 
 /// What happened on the line to one motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MotorFindings {
-    pub(crate) id: MotorId,
+pub struct MotorFindings {
+    /// Which one.
+    pub id: MotorId,
     /// In the last ten seconds.
-    pub(crate) recent: Tally,
+    pub recent: Tally,
     /// Of those, the seconds in which it answered: a motor that falls silent loses nothing.
-    pub(crate) heard: Tally,
+    pub heard: Tally,
     /// Since it answered last, where that is whole seconds ago.
-    pub(crate) quiet: Tally,
+    pub quiet: Tally,
     /// Whether the bus calls it silent, as the alerts do.
-    pub(crate) silent: bool,
+    pub silent: bool,
     /// What the header says is lost, in per mille.
-    pub(crate) loss_per_mille: Option<u16>,
+    pub loss_per_mille: Option<u16>,
     /// In the last minute, while the wheel stood.
-    pub(crate) standing: Tally,
+    pub standing: Tally,
     /// In the last minute, while it turned.
-    pub(crate) turning: Tally,
+    pub turning: Tally,
 }
 
 /// What the doctor goes by.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Findings {
+pub struct Findings {
     /// Every motor that is asked.
-    pub(crate) motors: Vec<MotorFindings>,
+    pub motors: Vec<MotorFindings>,
     /// Good frames of one that was not asked, in the last ten seconds.
-    pub(crate) foreign: u32,
+    pub foreign: u32,
     /// Bytes of a pair that nothing drives, in the last ten seconds while no single motor was asked.
-    pub(crate) levels: u32,
+    pub levels: u32,
     /// Bytes of text in the same time.
-    pub(crate) text: u32,
+    pub text: u32,
     /// Chunks of 32 bytes in the last ten seconds.
-    pub(crate) blocks: u32,
+    pub blocks: u32,
     /// Whether the computer is late: then no wire is named for a lost reply.
-    pub(crate) computer_is_late: bool,
+    pub computer_is_late: bool,
     /// Of the last 256 replies.
-    pub(crate) round_trip: RoundTripStatus,
+    pub round_trip: RoundTripStatus,
 }
 
 /// What is likely to be wrong with a line on which this happened.
-pub(crate) fn diagnose(findings: &Findings) -> Verdict {
+pub fn diagnose(findings: &Findings) -> Verdict {
     let mut found = Found::default();
     let strangers = findings.foreign >= STRANGERS_MIN;
     if strangers {
@@ -331,7 +332,7 @@ fn is_well(motor: &MotorFindings) -> bool {
 }
 
 /// Whether the header's figure, of the last hundred exchanges, is no better than that of a lossy line.
-pub(crate) fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
+pub fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
     loss_per_mille.is_some_and(|loss| u32::from(loss) >= LOSSY_PER_MILLE)
 }
 
@@ -381,7 +382,3 @@ fn per_mille(part: u32, whole: u32) -> u32 {
 #[cfg(test)]
 #[path = "doctor_tests.rs"]
 mod tests;
-
-#[cfg(test)]
-#[path = "doctor_bus_tests.rs"]
-mod bus_tests;

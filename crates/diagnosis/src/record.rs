@@ -2,18 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_messages::{
-    Connection,
-    bus::{Counters, RoundTripStatus},
-    protocol::{Instant, MotorId},
-};
+use motorlink_bus::{Counters, FRESH_FOR, LineStatus, MotorStatus, RoundTripStatus};
+use motorlink_protocol::{Instant, MotorId};
 
-use crate::{
-    features::link_doctor::doctor::{
-        Findings, MotorFindings, Tally, Verdict, diagnose, header_says_lossy,
-    },
-    model::snapshot::Session,
-};
+use crate::doctor::{Findings, MotorFindings, Tally, Verdict, diagnose, header_says_lossy};
 
 /// From here on a wheel turns: below it the current, and so what is heard of it, is that of rest.
 const TURNING_FROM_RPM: u16 = 20;
@@ -54,10 +46,20 @@ struct Entry {
     motion: Motion,
 }
 
+/// An open line as it is at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<'a> {
+    /// The moment, on the clock of the bus.
+    pub now: Instant,
+    /// What the bus says of it.
+    pub status: &'a LineStatus,
+    /// Every motor that is asked.
+    pub motors: &'a [MotorStatus],
+}
+
 /// The last minute of one connection, and what it is diagnosed as.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Record {
-    connection: Option<Connection>,
+pub struct Record {
     /// When it was looked at last, and what was seen then.
     looked_at: Option<Instant>,
     seen: Vec<Seen>,
@@ -76,32 +78,30 @@ impl Record {
     /// A wheel that has been turning for a while is compared with the time when it stood.
     const SECONDS_MAX: u32 = 60;
     /// A diagnosis is of the present.
-    pub(crate) const RECENT: u32 = 10;
+    pub const RECENT: u32 = 10;
     /// Two queries of an idle motor: what is lost of a second that ends so may be the beginning of a silence.
     const OVERDUE_AFTER: Duration = Duration::from_millis(200);
 
     /// The line is another from now on.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Looks at the line, which does something once a second. Whether it did.
-    pub(crate) fn look(&mut self, session: &Session) -> bool {
-        let Some(line) = &session.line else {
+    /// Looks at the line, which does something once a second. Whether it did. `None` is a port that is not open.
+    pub fn look(&mut self, line: Option<Line>) -> bool {
+        let Some(line) = line else {
             self.clear();
             return true;
         };
-        let went_back = self.looked_at.is_some_and(|at| session.now < at);
-        if went_back || self.connection != Some(session.connection) {
+        if self.looked_at.is_none_or(|at| line.now < at) {
             self.clear();
-            self.connection = Some(session.connection);
             self.verdict = Verdict::TooLittle;
         }
-        let elapsed = self.looked_at.map(|at| session.now.since(at));
+        let elapsed = self.looked_at.map(|at| line.now.since(at));
         if elapsed.is_some_and(|elapsed| elapsed < Self::EVERY) {
             // The header is not a second late, either.
             let is_refuted = self.verdict == Verdict::Healthy
-                && session
+                && line
                     .motors
                     .iter()
                     .any(|motor| header_says_lossy(motor.link.loss_per_mille));
@@ -110,31 +110,31 @@ impl Record {
             }
             return is_refuted;
         }
-        self.looked_at = Some(session.now);
+        self.looked_at = Some(line.now);
         let mut seen = vec![Seen {
             id: None,
-            counters: line.unaddressed,
+            counters: line.status.unaddressed,
             motion: Motion::Unclear,
             silent: false,
             overdue: false,
             loss_per_mille: None,
         }];
-        for motor in &session.motors {
+        for motor in line.motors {
             seen.push(Seen {
                 id: Some(motor.id),
                 counters: motor.counters,
-                motion: motion(session, motor.id),
+                motion: motion(motor, line.now),
                 silent: motor.silent,
                 overdue: motor
                     .last
-                    .is_none_or(|last| session.now.since(last.at) > Self::OVERDUE_AFTER),
+                    .is_none_or(|last| line.now.since(last.at) > Self::OVERDUE_AFTER),
                 loss_per_mille: motor.link.loss_per_mille,
             });
         }
         if elapsed.is_some_and(|elapsed| elapsed <= Self::EVERY_MAX) {
             self.count(&seen);
-            let mut findings = self.findings(&seen, line.round_trip);
-            findings.computer_is_late = line.late_hz >= LATE_MIN_HZ;
+            let mut findings = self.findings(&seen, line.status.round_trip);
+            findings.computer_is_late = line.status.late_hz >= LATE_MIN_HZ;
             self.verdict = diagnose(&findings);
         }
         self.seen = seen;
@@ -142,12 +142,14 @@ impl Record {
     }
 
     /// What the last look has shown.
-    pub(crate) const fn verdict(&self) -> &Verdict {
+    #[must_use]
+    pub const fn verdict(&self) -> &Verdict {
         &self.verdict
     }
 
     /// What happened to all motors in the last ten seconds.
-    pub(crate) fn judged(&self) -> Tally {
+    #[must_use]
+    pub fn judged(&self) -> Tally {
         let mut judged = Tally::default();
         let recent = |entry: &&Entry| entry.second + Self::RECENT > self.second;
         for entry in self.entries.iter().filter(recent) {
@@ -233,11 +235,15 @@ impl Record {
 }
 
 /// How a wheel is at this moment.
-fn motion(session: &Session, id: MotorId) -> Motion {
-    match session.speed(id) {
-        Some(speed) if !speed.is_fresh() => Motion::Unclear,
-        Some(speed) if speed.value.magnitude() >= TURNING_FROM_RPM => Motion::Turning,
+fn motion(motor: &MotorStatus, now: Instant) -> Motion {
+    match motor.speed {
+        Some((at, _)) if now.since(at) > FRESH_FOR => Motion::Unclear,
+        Some((_, speed)) if speed.magnitude() >= TURNING_FROM_RPM => Motion::Turning,
         Some(_) => Motion::Standing,
         None => Motion::Unclear,
     }
 }
+
+#[cfg(test)]
+#[path = "record_tests.rs"]
+mod tests;
