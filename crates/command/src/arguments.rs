@@ -37,6 +37,7 @@ Examples:
   motorlink --virtual=2 control                  by keys, without hardware
   motorlink set-id --new 2                       give the only motor on the bus another ID
   motorlink monitor --csv > telemetry.csv
+  motorlink doctor --rpm 60                      what is wrong with the line, at rest and while the wheel turns
   motorlink step to_rpm=120 --out results        figures of the speed loop, and a report
 
 Exit codes: 0 done; 1 not done, or a stop was not confirmed; 2 the command line or a file cannot be used.";
@@ -122,6 +123,8 @@ pub enum Action {
     },
     /// Stop motors that turn: those of --id, or all that answer
     Stop,
+    /// Say what is likely to be wrong with the line, and what to do about it
+    Doctor(Doctor),
     /// Give the only motor on the bus another ID, which it keeps without power
     SetId {
         /// The new ID
@@ -224,6 +227,23 @@ pub struct Monitor {
     /// End after so many seconds; without it, at Ctrl-C
     #[arg(long, value_parser = seconds, value_name = "SECS")]
     pub secs: Option<Duration>,
+}
+
+/// How `doctor` examines the line.
+#[derive(Debug, Args)]
+pub struct Doctor {
+    /// Watch the line for so many seconds
+    #[arg(long, default_value = "10", value_parser = seconds, value_name = "SECS")]
+    pub secs: Duration,
+    /// Then turn the wheels so fast, in rpm, and watch for as long again: some faults show only while a wheel turns
+    #[arg(long, allow_hyphen_values = true, value_name = "RPM")]
+    pub rpm: Option<i32>,
+    /// Turn the wheels without asking
+    #[arg(long, requires = "rpm")]
+    pub yes: bool,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The loop to drive in.

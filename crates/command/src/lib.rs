@@ -7,6 +7,7 @@ mod arguments;
 mod confirm;
 mod connection;
 mod control;
+mod doctor;
 mod drive;
 mod experiment;
 mod failure;
@@ -125,6 +126,7 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
             control::run(&global, how, ender)
         }
         Action::Stop => stop::run(&global, ender),
+        Action::Doctor(how) => doctor::run(&global, &how, ender),
         Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),
         Action::Raw { frame, yes } => raw::run(&global, frame, yes, ender),
         Action::Run { file, how } => {

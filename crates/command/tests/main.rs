@@ -5,6 +5,7 @@
 mod bad_input;
 mod bench;
 mod control;
+mod doctor;
 mod drop_in;
 mod example;
 mod experiments;
