@@ -15,7 +15,8 @@ const MESSAGE_END: &str = "\0";
 
 /// The folders and files whose texts load with their part: behind the first paint, or when it is asked for. A text that
 /// other files have too is not among them.
-const LATER: [&str; 28] = [
+const LATER: [&str; 29] = [
+    "crates/diagnosis/",
     "src/app/questions.rs",
     "src/features/drive/current.rs",
     "src/features/drive/open_loop.rs",

@@ -75,7 +75,8 @@ fn of_notice(notice: &Notice) -> Option<NoticeText> {
     }
 }
 
-fn choose_another_port() -> &'static str {
+/// How to choose another port.
+pub(crate) fn choose_another_port() -> &'static str {
     tr!("Another adapter? Press Disconnect, then Connect motor, and choose its port.")
 }
 

@@ -232,10 +232,10 @@ pub struct Monitor {
 /// How `doctor` examines the line.
 #[derive(Debug, Args)]
 pub struct Doctor {
-    /// Watch the line for so many seconds
-    #[arg(long, default_value = "10", value_parser = seconds, value_name = "SECS")]
-    pub secs: Duration,
-    /// Then turn the wheels so fast, in rpm, and watch for as long again: some faults show only while a wheel turns
+    /// Watch the line for so many seconds, 6-30; the last ten are judged
+    #[arg(long, default_value_t = 10, value_name = "SECS", value_parser = clap::value_parser!(u64).range(6..=30))]
+    pub secs: u64,
+    /// If the line is well, turn the wheels so fast, in rpm, and watch for as long again: some faults show only then
     #[arg(long, allow_hyphen_values = true, value_name = "RPM")]
     pub rpm: Option<i32>,
     /// Turn the wheels without asking

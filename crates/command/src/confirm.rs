@@ -28,15 +28,24 @@ pub fn confirm_on(connection: &Connection, question: String) -> Result<(), Failu
     }
 }
 
+/// Whether there is a terminal to ask on.
+///
+/// # Errors
+/// There is none.
+pub fn can_ask() -> Result<(), Failure> {
+    if stdin().is_terminal() {
+        return Ok(());
+    }
+    let text = "there is no terminal to ask on: use --yes";
+    Err(Failure::Usage(text.to_owned()))
+}
+
 /// Asks on the terminal.
 ///
 /// # Errors
 /// The answer is not yes, or there is no terminal.
 pub fn confirm(question: &str) -> Result<(), Failure> {
-    if !stdin().is_terminal() {
-        let text = "there is no terminal to ask on: use --yes";
-        return Err(Failure::Usage(text.to_owned()));
-    }
+    can_ask()?;
     eprint!("{question} [y/N] ");
     let _ = stderr().flush();
     let mut answer = String::new();

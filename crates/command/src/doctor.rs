@@ -2,19 +2,20 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{Command, Consent, LineStatus, MotorStatus};
+use motorlink_bus::{Command, Consent, Counters, LineStatus};
 use motorlink_diagnosis::{
-    Diagnosis, Line, Record, Verdict, cause, echoed, garbled, judged, remedy, some_lost,
-    too_little, well,
+    Advice, Line, Record, Verdict, cause, echoed, garbled, judged, remedy, some_lost, too_little,
+    well,
 };
 use motorlink_driver::{Ender, Status};
+use motorlink_i18n::load_later_texts;
 use motorlink_protocol::{MotorId, Setpoint};
 use serde_json::{Value, json};
 
 use crate::{
     arguments::{Doctor, Global},
-    confirm::confirm_on,
-    connection::{Connection, Happened, on_line},
+    confirm::{can_ask, confirm_on},
+    connection::{Connection, Happened, most_serious, on_line},
     drive::{ends_drive, rpm_setpoint},
     failure::Failure,
     output::{print, say},
@@ -26,79 +27,167 @@ use crate::{
 /// How often the line is looked at, as on the page.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// What to check where no motor answers, the most frequent cause first.
-const WIRING: [&str; 3] = [
-    "Is the motor's supply on? A DDSM115 needs 18 V.",
-    "DDSM115: is the brown wire tied to GND? Swap orange and white: some adapters label A and B the other way round.",
-    "Is it another model? motorlink scan asks at both baud rates.",
-];
+/// So many IDs with noise are watched where no motor answers cleanly.
+const NOISY_MAX: usize = 4;
+
+const ADVICE: Advice = Advice {
+    wiring: &[
+        "Is the motor's supply on? A DDSM115 needs 18 V.",
+        "DDSM115: is the brown wire tied to GND? Swap orange and white: some adapters label A and B the other way round.",
+        "Is it another model? motorlink scan asks at both baud rates.",
+    ],
+    other_port: "Is it the right port? Choose it with --port; motorlink ports lists them.",
+};
+
+/// What was found.
+struct Report {
+    at_rest: Verdict,
+    /// While the wheels turned; `None` if they did not for the whole time.
+    turning: Option<Verdict>,
+    /// The figures of the last ten seconds, in words.
+    judged: String,
+    /// What was counted for each motor; the last row is what belongs to no motor.
+    counted: Vec<(Option<MotorId>, Counters)>,
+    line: Option<LineStatus>,
+}
 
 /// Watches the line, at rest and then while the wheels turn, and prints what it is diagnosed as.
 pub fn run(global: &Global, how: &Doctor, ender: &Ender) -> Result<(), Failure> {
     let setpoint = how.rpm.map(|rpm| rpm_setpoint(rpm, 0)).transpose()?;
-    on_line(
+    if setpoint.is_some() && !how.yes {
+        can_ask()?;
+    }
+    load_later_texts();
+    let mut report = None;
+    // Printed once the wheels stand: nobody may read it for long.
+    let stopped = on_line(
         global,
         ender,
         |_| (),
         |connection| {
-            let answers = find_motors(connection)?;
-            let mut record = Record::default();
-            watch(connection, how, &mut record)?;
-            if let Some(setpoint) = setpoint
-                && answers
-            {
-                turn(connection, how, setpoint)?;
-                watch(connection, how, &mut record)?;
-            }
-            let status = connection.status()?;
-            if how.json {
-                print(to_json(&record, &status))?;
-            } else {
-                describe(&record, &status)?;
-            }
-            match record.verdict() {
-                Verdict::Healthy => Ok(()),
-                _ => Err(Failure::NotDone("the line is not healthy".to_owned())),
-            }
+            report = Some(examine(connection, how, setpoint)?);
+            Ok(())
         },
-    )
+    );
+    let Some(report) = report else { return stopped };
+    let printed = if how.json {
+        print(to_json(&report))
+    } else {
+        describe(&report)
+    };
+    most_serious(printed.and_then(|()| result(&report, setpoint)), stopped)
 }
 
-/// Watches the motors that answer, or else those of `--id`, or else motor 1. Returns whether one answers.
-fn find_motors(connection: &mut Connection) -> Result<bool, Failure> {
+/// Fails unless the line is healthy, also while the wheels turn if that was asked for.
+fn result(report: &Report, setpoint: Option<Setpoint>) -> Result<(), Failure> {
+    let is_healthy = report.at_rest == Verdict::Healthy
+        && matches!(report.turning, None | Some(Verdict::Healthy));
+    let text = if !is_healthy {
+        "the line is not healthy"
+    } else if setpoint.is_some() && report.turning.is_none() {
+        "the wheels did not turn as asked, so the line was examined at rest only"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::NotDone(text.to_owned()))
+}
+
+fn examine(
+    connection: &mut Connection,
+    how: &Doctor,
+    setpoint: Option<Setpoint>,
+) -> Result<Report, Failure> {
+    let may_turn = find_motors(connection, setpoint.is_some())?;
+    let mut record = Record::default();
+    let was_quiet = watch(connection, how, &mut record)?;
+    let at_rest = record.verdict().clone();
+    // Two motors with one ID would both turn, and what is lost may be a stop.
+    let is_well = matches!(at_rest, Verdict::Healthy | Verdict::SomeLoss);
+    let mut turning = None;
+    if let Some(setpoint) = setpoint
+        && may_turn
+        && was_quiet
+        && is_well
+        && turn(connection, how, setpoint)?
+        && watch(connection, how, &mut record)?
+    {
+        turning = Some(record.verdict().clone());
+    }
+    let status = connection.status()?;
+    let motors = status.motors.iter();
+    let mut counted: Vec<_> = motors
+        .map(|motor| (Some(motor.id), motor.counters))
+        .collect();
+    counted.extend(status.line.map(|line| (None, line.unaddressed)));
+    Ok(Report {
+        at_rest,
+        turning,
+        judged: judged(record.judged()),
+        counted,
+        line: status.line,
+    })
+}
+
+/// Watches the motors of `--id` or the only one that answers, which may turn, or else what a scan finds. Returns whether
+/// they may turn.
+fn find_motors(connection: &mut Connection, shall_turn: bool) -> Result<bool, Failure> {
     match connection.wait_for_motors() {
         Ok(()) => return Ok(true),
         Err(Failure::Interrupted) => return Err(Failure::Interrupted),
+        // They are watched all the same.
         Err(_) if !connection.motors.is_empty() => return Ok(false),
         Err(_) => {}
     }
-    let found = scan(connection)?.found;
-    let answers = !found.is_empty();
-    let watched = if answers { found } else { vec![MotorId::FIRST] };
+    let mut watched = match scan(connection) {
+        Ok(report) if shall_turn && !report.found.is_empty() => {
+            return Err(Failure::NotDone(format!(
+                "motors {} answer: name those that may turn with --id",
+                words::ids(report.found)
+            )));
+        }
+        Ok(report) => {
+            let noisy = report.noisy.into_iter().take(NOISY_MAX);
+            report.found.into_iter().chain(noisy).collect()
+        }
+        Err(Failure::Interrupted) => return Err(Failure::Interrupted),
+        Err(_) => Vec::new(),
+    };
+    if watched.is_empty() {
+        watched.push(MotorId::FIRST);
+    }
     for id in watched {
         connection.driver.command(Command::Watch(id));
         connection.motors.push(SignedId::straight(id));
     }
-    Ok(answers)
+    Ok(false)
 }
 
-/// Starts the wheels, once the person has agreed.
-fn turn(connection: &Connection, how: &Doctor, setpoint: Setpoint) -> Result<(), Failure> {
-    let motors = connection.motors.iter();
-    let ids = words::ids(motors.clone().map(|motor| motor.id));
+/// Starts the wheels, if the person agrees. Returns whether it did.
+fn turn(connection: &Connection, how: &Doctor, setpoint: Setpoint) -> Result<bool, Failure> {
     if !how.yes {
-        let question = format!("The wheels of {ids} turn at {setpoint}. Are they free to turn?");
-        confirm_on(connection, question)?;
+        let motors = connection.motors.iter().map(ToString::to_string);
+        let question = format!(
+            "Motors {} turn at {setpoint} for {} s. Are their wheels free?",
+            motors.collect::<Vec<_>>().join(", "),
+            how.secs
+        );
+        match confirm_on(connection, question) {
+            Ok(()) => {}
+            Err(Failure::Interrupted) => return Err(Failure::Interrupted),
+            Err(_) => return Ok(false),
+        }
     }
     let usage = |error: motorlink_bus::GroupError| Failure::Usage(error.to_string());
-    let start = starting::start(motors.copied(), setpoint, Consent::None).map_err(usage)?;
+    let motors = connection.motors.iter().copied();
+    let start = starting::start(motors, setpoint, Consent::None).map_err(usage)?;
     connection.driver.command(start);
-    Ok(())
+    Ok(true)
 }
 
-/// Looks at the line until the time is over, or until a wheel does not turn as asked.
-fn watch(connection: &Connection, how: &Doctor, record: &mut Record) -> Result<(), Failure> {
-    let until = Instant::now() + how.secs;
+/// Looks at the line until the time is over. Returns whether nothing ended it before, such as a wheel that does not
+/// turn as asked.
+fn watch(connection: &Connection, how: &Doctor, record: &mut Record) -> Result<bool, Failure> {
+    let until = Instant::now() + Duration::from_secs(how.secs);
     let mut look_at = Instant::now();
     loop {
         let happened = connection.next()?;
@@ -107,9 +196,11 @@ fn watch(connection: &Connection, how: &Doctor, record: &mut Record) -> Result<(
             look_at = now + LOOK;
             record.look(line(&connection.status()?));
         }
-        let ended = matches!(happened, Happened::Entry(_, entry) if ends_drive(&entry, false));
-        if ended || now >= until {
-            return Ok(());
+        if matches!(happened, Happened::Entry(_, entry) if ends_drive(&entry, false)) {
+            return Ok(false);
+        }
+        if now >= until {
+            return Ok(true);
         }
     }
 }
@@ -125,18 +216,30 @@ fn line(status: &Status) -> Option<Line<'_>> {
     })
 }
 
-fn describe(record: &Record, status: &Status) -> Result<(), Failure> {
+fn describe(report: &Report) -> Result<(), Failure> {
     print("Motor     requests   replies  no reply  corrupted    echoes   foreign")?;
-    for (name, [asked, replies, silent, garbled, echoed, foreign]) in rows(status) {
+    for (id, counters) in &report.counted {
+        let name = id.map_or_else(|| "no motor".to_owned(), |id| id.to_string());
+        let [asked, replies, silent, garbled, echoed, foreign] = counts(counters);
         print(format_args!(
             "{name:<8}{asked:>10}{replies:>10}{silent:>10}{garbled:>11}{echoed:>10}{foreign:>10}"
         ))?;
     }
-    if let Some(line) = &status.line {
+    if let Some(line) = &report.line {
         print(format_args!("Round trip {}", round_trip(line)))?;
     }
-    say(judged(record.judged()));
-    let found = match record.verdict() {
+    say(&report.judged);
+    let Some(turning) = &report.turning else {
+        return say_verdict(&report.at_rest);
+    };
+    print("At rest:")?;
+    say_verdict(&report.at_rest)?;
+    print("While the wheels turn:")?;
+    say_verdict(turning)
+}
+
+fn say_verdict(verdict: &Verdict) -> Result<(), Failure> {
+    let found = match verdict {
         Verdict::NotConnected => return print("The port is lost."),
         Verdict::TooLittle => return print(too_little()),
         Verdict::Healthy => return print(well()),
@@ -145,7 +248,7 @@ fn describe(record: &Record, status: &Status) -> Result<(), Failure> {
     };
     for diagnosis in found {
         print(cause(*diagnosis))?;
-        for step in remedy(*diagnosis, &WIRING) {
+        for step in remedy(*diagnosis, ADVICE) {
             print(format_args!("  - {step}"))?;
         }
     }
@@ -160,49 +263,23 @@ fn round_trip(line: &LineStatus) -> String {
     }
 }
 
-/// What was counted for each motor, and while none was asked: requests, replies, silences, damaged replies, echoes,
-/// frames of others.
-fn rows(status: &Status) -> Vec<(String, [u64; 6])> {
-    let of = |counters: &motorlink_bus::Counters| {
-        [
-            counters.requests,
-            counters.replies,
-            counters.silences,
-            garbled(counters),
-            echoed(counters),
-            counters.wrong_ids,
-        ]
-    };
-    let motor = |motor: &MotorStatus| (motor.id.to_string(), of(&motor.counters));
-    let mut rows: Vec<_> = status.motors.iter().map(motor).collect();
-    if let Some(line) = &status.line {
-        rows.push(("others".to_owned(), of(&line.unaddressed)));
-    }
-    rows
+/// Requests, replies, requests without one, corrupted replies, echoes, frames of others.
+const fn counts(counters: &Counters) -> [u64; 6] {
+    [
+        counters.requests,
+        counters.replies,
+        counters.silences,
+        garbled(counters),
+        echoed(counters),
+        counters.wrong_ids,
+    ]
 }
 
-fn to_json(record: &Record, status: &Status) -> Value {
-    let verdict = match record.verdict() {
-        Verdict::NotConnected => "not_connected",
-        Verdict::TooLittle => "too_little",
-        Verdict::Healthy => "healthy",
-        Verdict::SomeLoss => "some_loss",
-        Verdict::Faulty(_) => "faulty",
-    };
-    let found: &[Diagnosis] = match record.verdict() {
-        Verdict::Faulty(found) => found,
-        _ => &[],
-    };
-    let causes = found.iter().map(|diagnosis| {
+fn to_json(report: &Report) -> Value {
+    let counted = report.counted.iter().map(|(id, counters)| {
+        let [requests, replies, silences, garbled, echoes, foreign] = counts(counters);
         json!({
-            "cause": cause(*diagnosis),
-            "remedies": remedy(*diagnosis, &WIRING),
-        })
-    });
-    let counted = |(name, counts): (String, [u64; 6])| {
-        let [requests, replies, silences, garbled, echoes, foreign] = counts;
-        json!({
-            "of": name,
+            "motor_id": id.map(MotorId::get),
             "requests": requests,
             "replies": replies,
             "without_reply": silences,
@@ -210,13 +287,30 @@ fn to_json(record: &Record, status: &Status) -> Value {
             "echoes": echoes,
             "foreign": foreign,
         })
-    };
-    let round_trip = status.line.map(|line| line.round_trip);
+    });
+    let round_trip = report.line.map(|line| line.round_trip);
     json!({
-        "verdict": verdict,
-        "causes": causes.collect::<Vec<_>>(),
-        "counted": rows(status).into_iter().map(counted).collect::<Vec<Value>>(),
+        "at_rest": of_verdict(&report.at_rest),
+        "turning": report.turning.as_ref().map(of_verdict),
+        "counted": counted.collect::<Vec<Value>>(),
         "round_trip_median_us": round_trip.and_then(|round_trip| round_trip.median_us),
         "round_trip_p99_us": round_trip.and_then(|round_trip| round_trip.p99_us),
     })
+}
+
+fn of_verdict(verdict: &Verdict) -> Value {
+    let (name, found) = match verdict {
+        Verdict::NotConnected => ("not_connected", &[][..]),
+        Verdict::TooLittle => ("too_little", &[][..]),
+        Verdict::Healthy => ("healthy", &[][..]),
+        Verdict::SomeLoss => ("some_loss", &[][..]),
+        Verdict::Faulty(found) => ("faulty", found.as_slice()),
+    };
+    let causes = found.iter().map(|diagnosis| {
+        json!({
+            "cause": cause(*diagnosis),
+            "remedies": remedy(*diagnosis, ADVICE),
+        })
+    });
+    json!({ "verdict": name, "causes": causes.collect::<Vec<Value>>() })
 }

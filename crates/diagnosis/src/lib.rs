@@ -12,4 +12,4 @@ mod texts;
 
 pub use doctor::{Diagnosis, Findings, MotorFindings, Tally, Verdict, diagnose, echoed, garbled};
 pub use record::{Line, Record};
-pub use texts::{blocks, cause, judged, no_blocks, remedy, some_lost, too_little, well};
+pub use texts::{Advice, blocks, cause, judged, no_blocks, remedy, some_lost, too_little, well};

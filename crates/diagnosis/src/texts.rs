@@ -64,14 +64,21 @@ pub fn cause(diagnosis: Diagnosis) -> String {
     }
 }
 
-/// What to do about it, one thing a line. `wiring` is what to check where no motor answers, in the words of the program.
+/// Advice that names what a program has: its buttons, or its flags.
+#[derive(Clone, Copy, Debug)]
+pub struct Advice<'a> {
+    /// What to check where no motor answers.
+    pub wiring: &'a [&'static str],
+    /// How to choose another port.
+    pub other_port: &'static str,
+}
+
+/// What to do about it, one thing a line.
 #[must_use]
-pub fn remedy(diagnosis: Diagnosis, wiring: &[&'static str]) -> Vec<&'static str> {
+pub fn remedy(diagnosis: Diagnosis, advice: Advice) -> Vec<&'static str> {
     match diagnosis {
-        Diagnosis::Nothing | Diagnosis::EchoOnly => wiring.to_vec(),
-        Diagnosis::Text => vec![tr!(
-            "Another adapter? Press Disconnect, then Connect motor, and choose its port."
-        )],
+        Diagnosis::Nothing | Diagnosis::EchoOnly => advice.wiring.to_vec(),
+        Diagnosis::Text => vec![advice.other_port],
         Diagnosis::Blocks => vec![no_blocks()],
         Diagnosis::Floating => vec![tr!(
             "Nothing holds A and B at a level. Connect the motor and its supply, or use an adapter with \

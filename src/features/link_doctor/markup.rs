@@ -1,12 +1,12 @@
 //! The panel as HTML.
 
-use motorlink_diagnosis::{Verdict, cause, remedy, some_lost, too_little, well};
+use motorlink_diagnosis::{Advice, Verdict, cause, remedy, some_lost, too_little, well};
 use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
 
 use crate::{
     features::link_doctor::texts::{self, no_virtual_wire, of_diagnosis},
-    model::scan_texts::wiring,
+    model::{later_notices::choose_another_port, scan_texts::wiring},
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
@@ -110,7 +110,11 @@ pub(crate) fn verdict(verdict: &Verdict) -> String {
             for diagnosis in found {
                 let cause = cause(*diagnosis);
                 push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
-                for line in remedy(*diagnosis, &wiring()) {
+                let advice = Advice {
+                    wiring: &wiring(),
+                    other_port: choose_another_port(),
+                };
+                for line in remedy(*diagnosis, advice) {
                     push(&mut html, &["<p>", line, "</p>"]);
                 }
                 let topic = of_diagnosis(*diagnosis);
