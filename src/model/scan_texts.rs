@@ -1,6 +1,6 @@
 //! Texts about the results of scans and ID changes.
 
-use motorlink_diagnosis::{blocks, no_blocks};
+use motorlink_diagnosis::texts::{blocks, no_blocks};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,

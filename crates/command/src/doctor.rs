@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use motorlink_bus::{Command, Consent, Counters, LineStatus};
 use motorlink_diagnosis::{
-    Advice, Line, Record, Verdict, cause, echoed, garbled, judged, remedy, some_lost, too_little,
-    well,
+    Line, Record, Verdict, echoed, garbled,
+    texts::{Advice, cause, judged, remedy, some_lost, too_little, well},
 };
 use motorlink_driver::{Ender, Status};
 use motorlink_i18n::load_later_texts;
@@ -30,14 +30,20 @@ const LOOK: Duration = Duration::from_millis(100);
 /// So many IDs with noise are watched where no motor answers cleanly.
 const NOISY_MAX: usize = 4;
 
-const ADVICE: Advice = Advice {
-    wiring: &[
-        "Is the motor's supply on? A DDSM115 needs 18 V.",
-        "DDSM115: is the brown wire tied to GND? Swap orange and white: some adapters label A and B the other way round.",
-        "Is it another model? motorlink scan asks at both baud rates.",
-    ],
-    other_port: "Is it the right port? Choose it with --port; motorlink ports lists them.",
-};
+/// Which commands do what the diagnosis advises.
+fn advice() -> Advice {
+    Advice {
+        wiring: vec![
+            "Is the motor's supply on? A DDSM115 needs 18 V.",
+            "DDSM115: is the brown wire tied to GND? Swap orange and white: some adapters label A and B the other way round.",
+            "Is it another model? motorlink scan asks at both baud rates.",
+        ],
+        other_port: "Is it the right port? Choose it with --port; motorlink ports lists them.",
+        change_id: "Connect only one, change its ID with motorlink set-id, then connect the other.",
+        list_motors: "motorlink scan lists every motor on the bus.",
+        find_id: "Is the ID correct? motorlink scan lists every motor on the bus.",
+    }
+}
 
 /// What was found.
 struct Report {
@@ -248,7 +254,7 @@ fn say_verdict(verdict: &Verdict) -> Result<(), Failure> {
     };
     for diagnosis in found {
         print(cause(*diagnosis))?;
-        for step in remedy(*diagnosis, ADVICE) {
+        for step in remedy(*diagnosis, &advice()) {
             print(format_args!("  - {step}"))?;
         }
     }
@@ -309,7 +315,7 @@ fn of_verdict(verdict: &Verdict) -> Value {
     let causes = found.iter().map(|diagnosis| {
         json!({
             "cause": cause(*diagnosis),
-            "remedies": remedy(*diagnosis, ADVICE),
+            "remedies": remedy(*diagnosis, &advice()),
         })
     });
     json!({ "verdict": name, "causes": causes.collect::<Vec<Value>>() })

@@ -2,14 +2,18 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `record` | what happened on the line, second by second |
+//! | `tally` | what happened on the line, counted |
+//! | `record` | the same, second by second |
 //! | `doctor` | from that to the likely cause |
 //! | `texts` | the cause and what to do about it, in words |
 
 mod doctor;
 mod record;
-mod texts;
+#[cfg(test)]
+mod recorded_bus;
+mod tally;
+pub mod texts;
 
-pub use doctor::{Diagnosis, Findings, MotorFindings, Tally, Verdict, diagnose, echoed, garbled};
+pub use doctor::{Diagnosis, Findings, MotorFindings, Verdict, diagnose};
 pub use record::{Line, Record};
-pub use texts::{Advice, blocks, cause, judged, no_blocks, remedy, some_lost, too_little, well};
+pub use tally::{Tally, echoed, garbled};

@@ -5,7 +5,10 @@ use std::time::Duration;
 use motorlink_bus::{Counters, FRESH_FOR, LineStatus, MotorStatus, RoundTripStatus};
 use motorlink_protocol::{Instant, MotorId};
 
-use crate::doctor::{Findings, MotorFindings, Tally, Verdict, diagnose, header_says_lossy};
+use crate::{
+    doctor::{Findings, MotorFindings, Verdict, diagnose, header_says_lossy},
+    tally::Tally,
+};
 
 /// From here on a wheel turns: below it the current, and so what is heard of it, is that of rest.
 const TURNING_FROM_RPM: u16 = 20;
@@ -247,3 +250,7 @@ fn motion(motor: &MotorStatus, now: Instant) -> Motion {
 #[cfg(test)]
 #[path = "record_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "odd_bytes_tests.rs"]
+mod odd_bytes_tests;

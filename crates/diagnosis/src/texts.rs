@@ -2,7 +2,7 @@
 
 use motorlink_i18n::tr;
 
-use crate::doctor::{Diagnosis, Tally};
+use crate::{doctor::Diagnosis, tally::Tally};
 
 /// The line was not used enough.
 #[must_use]
@@ -64,20 +64,26 @@ pub fn cause(diagnosis: Diagnosis) -> String {
     }
 }
 
-/// Advice that names what a program has: its buttons, or its flags.
-#[derive(Clone, Copy, Debug)]
-pub struct Advice<'a> {
+/// Advice that names what a program has: its buttons, or its commands.
+#[derive(Clone, Debug)]
+pub struct Advice {
     /// What to check where no motor answers.
-    pub wiring: &'a [&'static str],
+    pub wiring: Vec<&'static str>,
     /// How to choose another port.
     pub other_port: &'static str,
+    /// How to give one of two motors another ID.
+    pub change_id: &'static str,
+    /// How to list every motor.
+    pub list_motors: &'static str,
+    /// How to find the ID of a motor that does not answer.
+    pub find_id: &'static str,
 }
 
 /// What to do about it, one thing a line.
 #[must_use]
-pub fn remedy(diagnosis: Diagnosis, advice: Advice) -> Vec<&'static str> {
+pub fn remedy(diagnosis: Diagnosis, advice: &Advice) -> Vec<&'static str> {
     match diagnosis {
-        Diagnosis::Nothing | Diagnosis::EchoOnly => advice.wiring.to_vec(),
+        Diagnosis::Nothing | Diagnosis::EchoOnly => advice.wiring.clone(),
         Diagnosis::Text => vec![advice.other_port],
         Diagnosis::Blocks => vec![no_blocks()],
         Diagnosis::Floating => vec![tr!(
@@ -90,7 +96,7 @@ pub fn remedy(diagnosis: Diagnosis, advice: Advice) -> Vec<&'static str> {
         )],
         Diagnosis::SharedId(_) => vec![
             tr!("Both reply at once, so their frames collide."),
-            tr!("Connect only one, change its ID, then connect the other."),
+            advice.change_id,
         ],
         Diagnosis::NoiseGrowsWithSpeed => vec![
             tr!("Motor current interferes with the bus."),
@@ -116,14 +122,14 @@ pub fn remedy(diagnosis: Diagnosis, advice: Advice) -> Vec<&'static str> {
         ],
         Diagnosis::Stranger => vec![
             tr!("Is another program or controller sending on this bus? Only one may send."),
-            tr!("A full scan lists every motor on the bus."),
+            advice.list_motors,
         ],
         Diagnosis::Silent(_) => vec![
             tr!(
                 "Other motors reply, so the adapter and bus work. Check this motor's plugs, supply and \
                  signal wires."
             ),
-            tr!("Is the ID correct? A full scan lists every motor on the bus."),
+            advice.find_id,
         ],
         Diagnosis::LatencyTimer => vec![
             tr!(

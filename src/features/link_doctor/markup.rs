@@ -1,13 +1,13 @@
 //! The panel as HTML.
 
-use motorlink_diagnosis::{Advice, Verdict, cause, remedy, some_lost, too_little, well};
+use motorlink_diagnosis::{
+    Verdict,
+    texts::{cause, remedy, some_lost, too_little, well},
+};
 use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
 
-use crate::{
-    features::link_doctor::texts::{self, no_virtual_wire, of_diagnosis},
-    model::{later_notices::choose_another_port, scan_texts::wiring},
-};
+use crate::features::link_doctor::texts::{self, no_virtual_wire, of_diagnosis};
 
 /// Where the figures stand, in the order of [`super::figures::of`].
 pub(crate) const FIGURES: [&str; 7] = [
@@ -107,14 +107,11 @@ pub(crate) fn verdict(verdict: &Verdict) -> String {
         Verdict::Healthy => ("good", well()),
         Verdict::SomeLoss => ("", some_lost()),
         Verdict::Faulty(found) => {
+            let advice = texts::advice();
             for diagnosis in found {
                 let cause = cause(*diagnosis);
                 push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
-                let advice = Advice {
-                    wiring: &wiring(),
-                    other_port: choose_another_port(),
-                };
-                for line in remedy(*diagnosis, advice) {
+                for line in remedy(*diagnosis, &advice) {
                     push(&mut html, &["<p>", line, "</p>"]);
                 }
                 let topic = of_diagnosis(*diagnosis);

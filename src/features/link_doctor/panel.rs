@@ -3,7 +3,7 @@
 //! Its elements are one text of HTML and stay; what they read is text too, written where it changes.
 
 use leptos::{html, prelude::*};
-use motorlink_diagnosis::{self as diagnosis, Line, Record};
+use motorlink_diagnosis::{Line, Record, texts::judged as words_of};
 use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
@@ -106,7 +106,7 @@ impl Elements {
             {
                 doctor.write(markup::verdict(record.verdict()));
                 if let Some(judged) = &mut self.judged {
-                    judged.write(diagnosis::judged(record.judged()));
+                    judged.write(words_of(record.judged()));
                 }
             }
             let asked_hz = page.preferences.with(|chosen| chosen.rate.hertz());

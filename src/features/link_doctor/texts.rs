@@ -1,14 +1,25 @@
 //! What the panel says beside the diagnosis itself, whose words are in `motorlink_diagnosis`.
 
-use motorlink_diagnosis::Diagnosis;
+use motorlink_diagnosis::{Diagnosis, texts::Advice};
 use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
 
-use crate::model::help_topic::HelpTopic;
+use crate::model::{help_topic::HelpTopic, later_notices::choose_another_port, scan_texts::wiring};
 
 /// Nothing is connected.
 pub(crate) fn not_connected() -> &'static str {
     tr!("Connect a motor to diagnose the bus.")
+}
+
+/// Where the page does what the diagnosis advises.
+pub(crate) fn advice() -> Advice {
+    Advice {
+        wiring: wiring().to_vec(),
+        other_port: choose_another_port(),
+        change_id: tr!("Connect only one, change its ID in Setup, then connect the other."),
+        list_motors: tr!("Full scan in Setup lists every motor on the bus."),
+        find_id: tr!("Is the ID correct? Full scan in Setup lists every motor on the bus."),
+    }
 }
 
 /// Why the virtual line cannot be made faulty.
