@@ -45,6 +45,13 @@ impl Bus {
         self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
     }
 
+    /// Whether the motors must be stopped before the port is closed: one is active, or no reply has confirmed that it
+    /// stands since it was driven.
+    #[must_use]
+    pub fn needs_stop(&self, now: Instant) -> bool {
+        self.is_active(now) || self.left_driven().next().is_some()
+    }
+
     /// Whether a motor is being stopped.
     #[must_use]
     pub fn is_stopping(&self) -> bool {

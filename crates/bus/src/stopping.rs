@@ -9,7 +9,7 @@ use crate::{
     motor::{Control, Motor, Rest},
     standstill::Standstill,
     stop::{ActiveStop, Stopping},
-    timing::stop_patience,
+    timing::{DRIVEN_SILENCE_MAX, stop_patience},
 };
 
 impl Bus {
@@ -100,6 +100,8 @@ impl Bus {
                 // A motor that was never driven and never answers does not begin to turn by it.
                 if confirmed {
                     motor.rest = Rest::Known;
+                } else if now.since(motor.silent_since()) >= DRIVEN_SILENCE_MAX {
+                    motor.was_not_reached();
                 }
                 motor.control = Control::Idle;
                 let speed = motor.fresh_speed(now);

@@ -307,6 +307,22 @@ fn a_motor_is_listed_before_its_first_drive_frame_and_until_its_standstill_is_co
     assert_eq!(listed(&fixture), None);
 }
 
+/// No stop has proved that its wheel stands.
+#[test]
+fn a_motor_that_is_switched_while_it_is_driven_needs_a_stop_before_the_port_is_closed() {
+    let mut fixture = Fixture::one_motor();
+    assert!(!fixture.bus.needs_stop(fixture.now));
+    fixture.drive(rpm(-5)).unwrap();
+    fixture.switch(Mode::Position);
+    fixture.run(ms(1_000));
+    assert!(!fixture.bus.is_active(fixture.now));
+    assert!(fixture.bus.needs_stop(fixture.now));
+    fixture.command(Command::Stop(ID)).unwrap();
+    run_until_stopped(&mut fixture);
+    fixture.run(ms(10));
+    assert!(!fixture.bus.needs_stop(fixture.now));
+}
+
 #[test]
 fn a_stop_of_a_motor_that_does_not_exist_leaves_nothing_to_remember() {
     let mut fixture = Fixture::one_motor();

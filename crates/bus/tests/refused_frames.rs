@@ -59,6 +59,26 @@ fn switches_of_a_stop_that_were_refused_are_sent_before_the_brake() {
     }
 }
 
+/// A port that is stalled takes no frame of the stop. The wheel turns on, and is stopped once the port takes frames again.
+#[test]
+fn a_motor_whose_stop_was_refused_to_its_end_is_stopped_when_it_answers() {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(60)).unwrap();
+    fixture.run(ms(500));
+    fixture.refusals = u32::MAX;
+    fixture.command(Command::Stop(ID)).unwrap();
+    fixture.run(ms(4_000));
+    let ended =
+        |event: &Event| matches!(event, Event::StopEnded(report) if !report.motors[0].confirmed);
+    assert!(fixture.events.iter().any(|(_, event)| ended(event)));
+    fixture.forget_the_past();
+    fixture.refusals = 0;
+    fixture.run(ms(2_500));
+    let confirmed = |event: &Event| matches!(event, Event::StopEnded(report) if report.reason == StopReason::LeftDriven && report.motors[0].confirmed);
+    assert!(fixture.events.iter().any(|(_, event)| confirmed(event)));
+    assert!(fixture.world.motor(ID).unwrap().speed_rpm().abs() < 1.0);
+}
+
 #[test]
 fn a_motor_that_needs_five_switches_is_not_braked_into_the_position_loop() {
     for lost in [0.1, 0.3] {

@@ -3,7 +3,7 @@
 use motorlink_protocol::{Detail, Instant, Layout, Reply, family::Reading};
 
 use super::{Control, Motor};
-use crate::timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, TEMPERATURE_JUMP};
+use crate::timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, FRESH_FOR, TEMPERATURE_JUMP};
 
 impl Motor {
     /// The layout in which to read its reply to a request in `layout`; `None` if that is uncertain.
@@ -46,6 +46,13 @@ impl Motor {
         if may_be_off && matches!(self.control, Control::Stopping(_)) {
             self.rest.wait_for_reply();
         }
+    }
+
+    /// Its stop has ended, and it has told nothing lately. The frames of the stop may not have left the port: it counts
+    /// as silent until it answers.
+    pub(crate) fn was_not_reached(&mut self) {
+        self.unanswered_in_a_row = self.unanswered_in_a_row.max(DRIVEN_UNANSWERED_MAX);
+        self.rest.wait_for_reply();
     }
 
     /// Whether this reading cannot follow the last one: its temperature has jumped, or its angle is back at zero. Then

@@ -164,6 +164,14 @@ impl Model {
         }
     }
 
+    /// Whether motors of the other model have the same frames and the same baud: they cannot be told apart, and obey the
+    /// same stop.
+    #[must_use]
+    pub fn is_like(self, other: Self) -> bool {
+        let (own, other) = (self.spec(), other.spec());
+        own.baud == other.baud && own.frames == other.frames
+    }
+
     /// What is not certain. Show it as such, and rely on none of it for safety.
     ///
     /// Not a part of [`Spec`], so that only programs that show it carry the texts.
