@@ -6,19 +6,18 @@ use motorlink_bus::{Bus, Command, DETECTION_MAX, DetectedModel, ModelSearch, Ref
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
-    host::Host, latency::ask_for_low_latency, left_motors::LeftMotors, open_failure::OpenFailure,
-    owner::Owner, serial_line::SerialLine,
+    computer::Computer, host::Host, left_motors::LeftMotors, open_failure::OpenFailure,
+    owner::Owner,
 };
 
 /// How long motors that were left driven may take to answer before another model is tried: an ID query of 60 ms and three
 /// queries at 10 Hz.
 const LEFT_ANSWER: Duration = Duration::from_millis(400);
 
-impl Owner {
+impl<C: Computer> Owner<C> {
     /// Opens the serial port at `path` for the model of its motors: the one that was left driven, the one that was asked
     /// for, or the one that answers.
     pub(crate) fn open_serial(&mut self, path: &str) -> Result<(), OpenFailure> {
-        ask_for_low_latency(path);
         let left = self.file.left_model();
         if let Some(model) = left {
             self.open_for(path, model, LeftMotors::Stop)?;
@@ -60,16 +59,15 @@ impl Owner {
         how: LeftMotors,
     ) -> Result<(), OpenFailure> {
         self.number += 1;
-        let line = SerialLine::open(path, model, self.number, self.to_self.clone());
-        let line = line.map_err(|error| OpenFailure::of(path, &error))?;
-        let now = self.clock.now();
+        let line = self.computer.open_line(path, model, self.number)?;
+        let now = self.computer.now();
         let mut bus = self.new_bus(now, model).after_another(now).on_trial();
         if how == LeftMotors::Stop && self.file.left_model() == Some(model) {
             bus.stop_first(now, self.file.take_left());
         }
         self.host = Some(Host {
             bus,
-            line: Box::new(line),
+            line,
             has_queried: !self.asks_for_id(),
         });
         Ok(())
@@ -103,10 +101,10 @@ impl Owner {
         limit: Duration,
         found: impl Fn(&Bus, Instant) -> Option<T>,
     ) -> Result<Option<T>, OpenFailure> {
-        let until = self.clock.now() + limit;
+        let until = self.computer.now() + limit;
         loop {
             let wake = self.turn();
-            let now = self.clock.now();
+            let now = self.computer.now();
             let Some(host) = &self.host else {
                 return Err(OpenFailure::Lost);
             };

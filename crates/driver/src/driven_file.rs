@@ -4,42 +4,34 @@
 //! that drives it is given to the port, and again when a reply has confirmed standstill. The driver that opens the
 //! adapter next stops these motors first.
 
-use std::{
-    fs::{self, File, OpenOptions, TryLockError},
-    io::{self, Read, Seek, SeekFrom, Write},
-    path::{Path, PathBuf},
-    sync::mpsc::{Sender, channel},
-    thread,
-};
+use std::io;
 
 use motorlink_bus::LeftDriven;
 use motorlink_messages::LeftBehind;
 use motorlink_protocol::family::Model;
 
-/// The folder of the files for this user: `$XDG_STATE_HOME/motorlink/driven` on Linux, or what the system has in its
-/// place. `None` if the user has no such folder.
-#[must_use]
-pub fn default_folder() -> Option<PathBuf> {
-    let state = dirs::state_dir().or_else(dirs::data_local_dir)?;
-    Some(state.join("motorlink").join("driven"))
+/// Where the file is kept.
+pub trait Store: std::fmt::Debug {
+    /// Writes the file. It always has the same length, so that a full disk does not matter after the first time.
+    ///
+    /// # Errors
+    /// The system refuses it.
+    fn write(&mut self, content: &[u8]) -> io::Result<()>;
 }
 
-/// The file of an adapter. It is locked while it is open, so that only one driver uses the adapter.
+/// The file of an adapter.
 #[derive(Debug)]
-pub(crate) struct DrivenFile {
-    file: Option<File>,
+pub struct DrivenFile {
+    store: Option<Box<dyn Store>>,
     /// What the file has.
     written: Option<LeftBehind>,
     /// What was left driven and is on no bus now.
     carried: Option<LeftBehind>,
-    /// Asks a thread to bring what is written from the memory of the system to the disk. A disk may take a tenth of a
-    /// second, and no frame waits for it: only a computer that loses its power in that moment forgets.
-    to_disk: Option<Sender<()>>,
 }
 
 /// Why there is no file.
-#[derive(Debug)]
-pub(crate) enum NoFile {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoFile {
     /// Another driver uses the adapter.
     InUse,
     /// The system refuses it.
@@ -51,48 +43,22 @@ impl DrivenFile {
     #[must_use]
     pub(crate) const fn none() -> Self {
         Self {
-            file: None,
+            store: None,
             written: None,
             carried: None,
-            to_disk: None,
         }
     }
 
-    /// Opens the file of this adapter, and reads what was left driven.
-    pub(crate) fn open(folder: &Path, adapter: &str) -> Result<Self, NoFile> {
-        let harmless = |letter: char| {
-            if letter.is_ascii_alphanumeric() {
-                letter
-            } else {
-                '-'
-            }
-        };
-        let name: String = adapter.chars().map(harmless).collect();
-        fs::create_dir_all(folder).map_err(refused)?;
-        let path = folder.join(name.trim_matches('-'));
-        let options = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path);
-        let mut file = options.map_err(refused)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(NoFile::InUse),
-            Err(TryLockError::Error(error)) => return Err(refused(error)),
-        }
-        let mut content = Vec::new();
-        file.read_to_end(&mut content).map_err(refused)?;
+    /// The file that is kept here, and says by its content what was left driven.
+    #[must_use]
+    pub fn new(store: Box<dyn Store>, content: &[u8]) -> Self {
         // What cannot be read is left out: its motors are asked like all others, and what turns is reported.
-        let left = LeftBehind::of_file(&content).ok().flatten();
-        let to_disk = file.try_clone().ok().and_then(disk_writer);
-        Ok(Self {
-            file: Some(file),
+        let left = LeftBehind::of_file(content).ok().flatten();
+        Self {
+            store: Some(store),
             written: None,
             carried: left.filter(|left| !left.motors.is_empty()),
-            to_disk,
-        })
+        }
     }
 
     /// The model of the motors that were left driven and are on no bus now.
@@ -150,61 +116,29 @@ impl DrivenFile {
         }
         let motors = driven().chain(carried()).collect();
         let left = LeftBehind { model, motors };
-        let is_written = match &mut self.file {
+        let is_written = match &mut self.store {
             None => true,
-            Some(file) => write(file, &left.to_file()).is_ok(),
+            Some(store) => store.write(&left.to_file()).is_ok(),
         };
         // Not tried again before it changes.
         self.written = Some(left);
-        if let Some(to_disk) = &self.to_disk {
-            // Its thread ends with this file only.
-            let _ = to_disk.send(());
-        }
         is_written
     }
 }
 
-impl Drop for DrivenFile {
-    /// The thread for the disk may still have the file open.
-    fn drop(&mut self) {
-        if let Some(file) = &self.file {
-            // What cannot be unlocked is unlocked when that thread ends.
-            let _ = file.unlock();
-        }
-    }
-}
-
-/// For `map_err`: whatever the cause is, the program is told that nothing is remembered.
-fn refused(_cause: io::Error) -> NoFile {
-    NoFile::Refused
-}
-
-/// The file always has the same length, so that a full disk does not matter after the first time.
-fn write(file: &mut File, content: &[u8]) -> io::Result<()> {
-    file.seek(SeekFrom::Start(0))?;
-    file.write_all(content)
-}
-
-fn disk_writer(file: File) -> Option<Sender<()>> {
-    let (to_disk, asked) = channel();
-    let bring = move || {
-        while asked.recv().is_ok() {
-            // Several changes go together.
-            while asked.try_recv().is_ok() {}
-            // A disk that fails is noticed by the next write.
-            let _ = file.sync_data();
-        }
-    };
-    let name = "motorlink disk".to_owned();
-    thread::Builder::new().name(name).spawn(bring).ok()?;
-    Some(to_disk)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use motorlink_protocol::{Mode, MotorId};
 
     use super::*;
+    use crate::locked_file::LockedFile;
+
+    fn open(folder: &Path, adapter: &str) -> Result<DrivenFile, NoFile> {
+        let (file, content) = LockedFile::open(folder, adapter)?;
+        Ok(DrivenFile::new(Box::new(file), &content))
+    }
 
     fn left(ids: &[u8]) -> Vec<LeftDriven> {
         let of = |id: &u8| LeftDriven {
@@ -218,7 +152,7 @@ mod tests {
     fn what_is_driven_outlives_the_driver_until_it_stands() {
         let folder = tempfile::tempdir().unwrap();
         let driven = left(&[1, 7]);
-        let open = || DrivenFile::open(folder.path(), "/dev/ttyUSB0").unwrap();
+        let open = || open(folder.path(), "/dev/ttyUSB0").unwrap();
         let mut file = open();
         assert_eq!(file.left_model(), None);
         assert!(file.remember(Model::Ddsm210, || driven.iter().copied()));
@@ -240,9 +174,9 @@ mod tests {
     #[test]
     fn an_adapter_has_one_driver_and_every_adapter_its_own_file() {
         let folder = tempfile::tempdir().unwrap();
-        let _file = DrivenFile::open(folder.path(), "/dev/ttyUSB0").unwrap();
-        let second = DrivenFile::open(folder.path(), "/dev/ttyUSB0");
+        let _file = open(folder.path(), "/dev/ttyUSB0").unwrap();
+        let second = open(folder.path(), "/dev/ttyUSB0");
         assert!(matches!(second, Err(NoFile::InUse)));
-        assert!(DrivenFile::open(folder.path(), "/dev/ttyUSB1").is_ok());
+        assert!(open(folder.path(), "/dev/ttyUSB1").is_ok());
     }
 }

@@ -11,11 +11,14 @@ use motorlink_messages::runs::ToRun;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
+    computer::Computer,
     entry::{Entry, Status},
-    inputs::{Input, Told},
+    inputs::{Given, Input, Told},
+    latency::run_on_time,
     open_failure::OpenFailure,
     options::{Ending, Options},
     owner::Owner,
+    this_computer::ThisComputer,
 };
 
 /// Entries that wait for the program: more than a second of them at 500 exchanges a second. A program that takes none for
@@ -23,6 +26,12 @@ use crate::{
 const ENTRIES_MAX: usize = 8192;
 /// How long the thread may take to answer: it sleeps at most for as long as the reader of a port needs to end.
 const ANSWER_MAX: Duration = Duration::from_secs(1);
+
+/// Runs a driver on this thread and on this computer until it ends. [`Driver::open`] does it for the computer that the
+/// process runs on.
+pub fn run_on(computer: impl Computer, options: &Options) -> Ending {
+    Owner::new(computer, options).run(options)
+}
 
 /// What [`Driver::next`] returns.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +47,7 @@ pub enum Next {
 /// An open line of motors. The thread behind it stops the motors when this value is dropped.
 #[derive(Debug)]
 pub struct Driver {
-    inputs: Sender<Input>,
+    inputs: Sender<Given>,
     told: Receiver<Told>,
     model: Model,
     thread: Option<JoinHandle<Ending>>,
@@ -55,7 +64,12 @@ impl Driver {
         let (answer, opened) = sync_channel(1);
         options.ender.connect(&inputs);
         let to_self = inputs.clone();
-        let run = move || Owner::new(&options, received, to_self, tell).run(&options, &answer);
+        let run = move || {
+            run_on_time();
+            let folder = options.state_folder.clone();
+            let computer = ThisComputer::new((to_self, received), tell, answer, folder);
+            run_on(computer, &options)
+        };
         let thread = thread::Builder::new().name("motorlink driver".to_owned());
         let thread = thread.spawn(run);
         let thread = thread.map_err(|error| OpenFailure::Io("driver".to_owned(), error))?;
@@ -83,15 +97,13 @@ impl Driver {
 
     /// Gives a command. A refusal comes as an entry.
     pub fn command(&self, command: Command) {
-        let command = Input::Command(command, std::time::Instant::now());
         // A driver that has ended says so by the next entry.
-        let _ = self.inputs.send(command);
+        let _ = self.inputs.send(Input::Command(command).into());
     }
 
     /// Gives a message to the run of an experiment. Its answers come as [`Entry::Run`].
     pub fn run(&self, message: ToRun) {
-        let message = Input::Run(Box::new(message), std::time::Instant::now());
-        let _ = self.inputs.send(message);
+        let _ = self.inputs.send(Input::Run(Box::new(message)).into());
     }
 
     /// The next entry, within this time. A program that drives calls this at least every half second: it tells the driver
@@ -103,7 +115,7 @@ impl Driver {
             let left = until.saturating_duration_since(std::time::Instant::now());
             match self.told.recv_timeout(left) {
                 Ok(Told::Ping) => {
-                    let _ = self.inputs.send(Input::Alive);
+                    let _ = self.inputs.send(Input::Alive.into());
                 }
                 Ok(Told::Entry(at, entry)) => return Next::Entry(at, entry),
                 Err(RecvTimeoutError::Timeout) => return Next::Nothing,
@@ -116,13 +128,13 @@ impl Driver {
     #[must_use]
     pub fn status(&self) -> Option<Status> {
         let (answer, status) = sync_channel(1);
-        self.inputs.send(Input::Status(answer)).ok()?;
+        self.inputs.send(Input::Status(answer).into()).ok()?;
         status.recv_timeout(ANSWER_MAX).ok()
     }
 
     /// Asks for the end. The entries of the stop still come, and [`Next::Ended`] after them.
     pub fn begin_end(&self) {
-        let _ = self.inputs.send(Input::End);
+        let _ = self.inputs.send(Input::End.into());
     }
 
     /// Stops the motors, waits until they stand or the stop window has ended, and closes the port.
@@ -149,20 +161,18 @@ impl Driver {
 
     #[cfg(test)]
     pub(crate) fn fail(&self, how: Input) {
-        let _ = self.inputs.send(how);
+        let _ = self.inputs.send(how.into());
     }
 }
 
 /// Gives commands to a driver from any thread.
 #[derive(Clone, Debug)]
-pub struct Commander(Sender<Input>);
+pub struct Commander(Sender<Given>);
 
 impl Commander {
     /// See [`Driver::command`].
     pub fn command(&self, command: Command) {
-        let _ = self
-            .0
-            .send(Input::Command(command, std::time::Instant::now()));
+        let _ = self.0.send(Input::Command(command).into());
     }
 }
 

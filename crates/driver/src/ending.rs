@@ -7,17 +7,18 @@ use motorlink_messages::LeftBehind;
 use motorlink_protocol::Instant;
 
 use crate::{
+    computer::Computer,
     owner::{Owner, Stage},
     runs::Runs,
 };
 
-impl Owner {
-    /// Whether a motor is driven or turns. Nothing can be stopped while the port is lost: the next driver does it.
-    pub(crate) fn is_active(&mut self) -> bool {
-        let now = self.clock.now();
+impl<C: Computer> Owner<C> {
+    /// Whether a motor is to be stopped. Nothing can be stopped while the port is lost: the next driver does it.
+    pub(crate) fn needs_stop(&mut self) -> bool {
+        let now = self.computer.now();
         self.host
             .as_ref()
-            .is_some_and(|host| host.bus.is_active(now))
+            .is_some_and(|host| host.bus.needs_stop(now))
     }
 
     pub(crate) fn begin_end(&mut self, now: Instant) {
@@ -30,7 +31,7 @@ impl Owner {
             // What an earlier stop has shown is not the result of this end.
             self.last_stop = None;
         }
-        if host.bus.is_active(now) {
+        if host.bus.needs_stop(now) {
             let stop = Command::StopAll(StopReason::Disconnect);
             // A stop is never refused.
             let _: Result<(), Refusal> = host.bus.command(now, stop);
@@ -43,7 +44,7 @@ impl Owner {
         self.is_halted = true;
         // The failure may be theirs.
         self.runs = Runs::default();
-        let now = self.clock.now();
+        let now = self.computer.now();
         let Some(mut host) = self.host.take() else {
             // No line is left. The next driver stops what the file names.
             if let Some(left) = self.file.written() {

@@ -1,6 +1,6 @@
 //! What goes to the thread that owns the port, and what it tells the program.
 
-use std::sync::mpsc::SyncSender;
+use std::{sync::mpsc::SyncSender, time::Instant as SystemInstant};
 
 use motorlink_bus::Command;
 use motorlink_messages::runs::ToRun;
@@ -8,16 +8,31 @@ use motorlink_protocol::Instant;
 
 use crate::entry::{Entry, Status};
 
+/// An input, and when it was given.
+pub(crate) struct Given {
+    pub(crate) at: SystemInstant,
+    pub(crate) input: Input,
+}
+
+impl From<Input> for Given {
+    /// It is given now.
+    fn from(input: Input) -> Self {
+        let at = SystemInstant::now();
+        Self { at, input }
+    }
+}
+
 /// What wakes the thread.
-pub(crate) enum Input {
+#[derive(Debug)]
+pub enum Input {
     /// Bytes of the port with this number.
     Bytes(u32, Vec<u8>),
     /// The port with this number is gone.
     PortGone(u32),
-    /// A command, and when it was given.
-    Command(Command, std::time::Instant),
-    /// A message to the run of an experiment, and when it was given.
-    Run(Box<ToRun>, std::time::Instant),
+    /// A command.
+    Command(Command),
+    /// A message to the run of an experiment.
+    Run(Box<ToRun>),
     /// The program takes entries.
     Alive,
     /// The program asks for the state.
@@ -33,7 +48,9 @@ pub(crate) enum Input {
 }
 
 /// What goes to the program.
-pub(crate) enum Told {
+#[derive(Debug)]
+pub enum Told {
+    /// Something happened at this moment.
     Entry(Instant, Entry),
     /// The program answers by [`Input::Alive`].
     Ping,

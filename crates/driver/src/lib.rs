@@ -14,6 +14,7 @@
 //! It is not for several programs at once: the second one gets [`OpenFailure::Busy`].
 
 mod clock;
+mod computer;
 mod detection;
 mod driven_file;
 mod driver;
@@ -26,6 +27,7 @@ mod inputs;
 mod latency;
 mod left_motors;
 mod line;
+mod locked_file;
 mod open_failure;
 mod opening;
 mod options;
@@ -33,13 +35,17 @@ mod owner;
 mod ports;
 mod runs;
 mod serial_line;
+mod this_computer;
 
-pub use driven_file::default_folder;
-pub use driver::{Commander, Driver, Next};
+pub use computer::Computer;
+pub use driven_file::{DrivenFile, NoFile, Store};
+pub use driver::{Commander, Driver, Next, run_on};
 pub use entry::{Entry, Status};
 pub use experiment::{Experiment, NotRun, Progress};
 pub use holder::Holder;
-pub use line::VirtualLine;
+pub use inputs::{Input, Told};
+pub use line::{Line, VirtualLine, Written};
+pub use locked_file::default_folder;
 pub use open_failure::OpenFailure;
 pub use options::{Ender, Ending, Options};
-pub use ports::{FoundPort, Place, UsbAdapter, found_ports};
+pub use ports::{ChosenPort, FoundPort, Place, UsbAdapter, found_ports};

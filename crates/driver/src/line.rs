@@ -5,7 +5,7 @@ use motorlink_simulator::{World, WorldConfig};
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Written {
+pub enum Written {
     /// The port has taken it.
     Taken,
     /// The port is still busy with frames before it. It was not sent.
@@ -15,7 +15,7 @@ pub(crate) enum Written {
 }
 
 /// An open line.
-pub(crate) trait Line: Send {
+pub trait Line {
     /// Writes a frame without waiting for the wire.
     fn write(&mut self, now: Instant, model: Model, frame: &Frame) -> Written;
 

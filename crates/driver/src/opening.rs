@@ -6,15 +6,15 @@ use motorlink_protocol::{Instant, family::Model};
 use motorlink_simulator::World;
 
 use crate::{
-    driven_file::{DrivenFile, NoFile},
+    computer::Computer,
+    driven_file::NoFile,
     entry::Entry,
-    holder::holder_of,
     host::Host,
     left_motors::LeftMotors,
     open_failure::OpenFailure,
     options::Options,
     owner::{Owner, Stage},
-    ports::{ChosenPort, Place},
+    ports::Place,
 };
 
 /// How long motors may take for their first reply before the port counts as open: three queries at 10 Hz.
@@ -24,11 +24,11 @@ const OPENING_MAX: Duration = Duration::from_secs(4);
 /// Pause between two tries to open a lost port. Linux sets its permissions a moment after it is there.
 const REOPEN_PAUSE: Duration = Duration::from_millis(100);
 
-impl Owner {
+impl<C: Computer> Owner<C> {
     pub(crate) fn open(&mut self, options: &Options) -> Result<Model, OpenFailure> {
         match &options.place {
             Place::Virtual(virtual_line) => {
-                let now = self.clock.now();
+                let now = self.computer.now();
                 let motors = &virtual_line.world.motors;
                 self.watched.extend(motors.iter().map(|motor| motor.id));
                 let bus = self.new_bus(now, virtual_line.model());
@@ -40,8 +40,8 @@ impl Owner {
                     has_queried,
                 });
             }
-            Place::OnlyAdapter => self.open_port(options, None)?,
-            Place::Port(path) => self.open_port(options, Some(path))?,
+            Place::OnlyAdapter => self.open_port(None)?,
+            Place::Port(path) => self.open_port(Some(path))?,
         }
         self.end_trial();
         self.finish_opening();
@@ -53,11 +53,11 @@ impl Owner {
     /// Waits until the ID query has ended, and the stop of what was left driven: the bus refuses other commands meanwhile.
     /// Then it waits a little for the first reply of each motor: before it, the bus starts none.
     fn finish_opening(&mut self) {
-        let begun = self.clock.now();
+        let begun = self.computer.now();
         let mut free_since = None;
         while !self.stage.is_ending() {
             let wake = self.turn();
-            let now = self.clock.now();
+            let now = self.computer.now();
             let Some(host) = &self.host else { return };
             if host.has_queried && !host.bus.is_stopping() {
                 let waited = now.since(*free_since.get_or_insert(now));
@@ -73,20 +73,14 @@ impl Owner {
         }
     }
 
-    fn open_port(&mut self, options: &Options, path: Option<&str>) -> Result<(), OpenFailure> {
-        let port = ChosenPort::find(path)?;
+    fn open_port(&mut self, path: Option<&str>) -> Result<(), OpenFailure> {
+        let port = self.computer.find_port(path)?;
         let path = port.path.clone();
-        // The superuser may open a port that another program has open.
-        if let Some(holder) = holder_of(&path) {
-            let holder = Some(holder);
-            return Err(OpenFailure::Busy { path, holder });
-        }
-        let folder = options.state_folder.as_deref();
-        match folder.map(|folder| DrivenFile::open(folder, &port.identity())) {
-            Some(Ok(file)) => self.file = file,
-            Some(Err(NoFile::InUse)) => return Err(OpenFailure::Busy { path, holder: None }),
-            Some(Err(NoFile::Refused)) | None => {
-                let now = self.clock.now();
+        match self.computer.open_file(&port.identity()) {
+            Ok(file) => self.file = file,
+            Err(NoFile::InUse) => return Err(OpenFailure::Busy { path, holder: None }),
+            Err(NoFile::Refused) => {
+                let now = self.computer.now();
                 self.tell(now, Entry::NotRemembered);
             }
         }
@@ -96,7 +90,7 @@ impl Owner {
 
     /// The port is the right one: the bus may enable its motors.
     pub(crate) fn end_trial(&mut self) {
-        let now = self.clock.now();
+        let now = self.computer.now();
         if let Some(host) = &mut self.host {
             host.bus.end_trial(now);
         }
@@ -111,7 +105,7 @@ impl Owner {
 
     /// Closes the line, and remembers what is left driven on it.
     pub(crate) fn close_line(&mut self) {
-        let now = self.clock.now();
+        let now = self.computer.now();
         if let Some(host) = self.host.take() {
             let (last, left) = host.close(now);
             self.file.carry(left);
@@ -122,7 +116,7 @@ impl Owner {
     }
 
     pub(crate) fn lose_port(&mut self) {
-        let now = self.clock.now();
+        let now = self.computer.now();
         let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
             host.bus.left_driven().map(|motor| motor.id).collect()
         });
@@ -140,7 +134,8 @@ impl Owner {
             return self.look_at.max(now);
         }
         self.look_at = now + REOPEN_PAUSE;
-        let Some(path) = self.port.as_ref().and_then(ChosenPort::again) else {
+        let port = self.port.as_ref();
+        let Some(path) = port.and_then(|port| self.computer.port_again(port)) else {
             return self.look_at;
         };
         // The program may not drive on a port that is tried.

@@ -12,7 +12,11 @@ use std::{
 use motorlink_bus::{BusSettings, StopReport};
 use motorlink_protocol::{MotorId, family::Model};
 
-use crate::{driven_file::default_folder, inputs::Input, ports::Place};
+use crate::{
+    inputs::{Given, Input},
+    locked_file::default_folder,
+    ports::Place,
+};
 
 /// What a driver is opened with.
 #[derive(Clone, Debug)]
@@ -57,7 +61,7 @@ pub struct Ender(Arc<EnderState>);
 #[derive(Debug, Default)]
 struct EnderState {
     is_asked: AtomicBool,
-    inputs: Mutex<Option<Sender<Input>>>,
+    inputs: Mutex<Option<Sender<Given>>>,
 }
 
 impl Ender {
@@ -67,7 +71,7 @@ impl Ender {
         let inputs = self.0.inputs.lock();
         if let Some(inputs) = &*inputs.unwrap_or_else(PoisonError::into_inner) {
             // It may have ended.
-            let _ = inputs.send(Input::End);
+            let _ = inputs.send(Input::End.into());
         }
     }
 
@@ -77,13 +81,13 @@ impl Ender {
         self.0.is_asked.load(Ordering::SeqCst)
     }
 
-    pub(crate) fn connect(&self, inputs: &Sender<Input>) {
+    pub(crate) fn connect(&self, inputs: &Sender<Given>) {
         let mut slot = self.0.inputs.lock().unwrap_or_else(PoisonError::into_inner);
         *slot = Some(inputs.clone());
         drop(slot);
         if self.is_asked() {
             // The thread that receives it is not started yet.
-            let _ = inputs.send(Input::End);
+            let _ = inputs.send(Input::End.into());
         }
     }
 }

@@ -3,7 +3,6 @@
 use std::{
     collections::BTreeSet,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError},
     time::Duration,
 };
 
@@ -11,13 +10,11 @@ use motorlink_bus::{BusSettings, COMMAND_AGE_MAX, Command, Event, StopReport};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
-    clock::Clock,
+    computer::Computer,
     driven_file::DrivenFile,
     entry::{Entry, Status},
     host::{Host, Turned},
     inputs::{Input, Told},
-    latency::run_on_time,
-    open_failure::OpenFailure,
     options::{Ending, Options},
     ports::ChosenPort,
     runs::Runs,
@@ -47,11 +44,8 @@ impl Stage {
 }
 
 /// The state of the thread.
-pub(crate) struct Owner {
-    pub(crate) clock: Clock,
-    inputs: Receiver<Input>,
-    pub(crate) to_self: Sender<Input>,
-    told: SyncSender<Told>,
+pub(crate) struct Owner<C> {
+    pub(crate) computer: C,
     /// The model that the program asks for; `None` is to find out.
     pub(crate) asked_model: Option<Model>,
     pub(crate) settings: BusSettings,
@@ -75,18 +69,10 @@ pub(crate) struct Owner {
     fails_next: bool,
 }
 
-impl Owner {
-    pub(crate) fn new(
-        options: &Options,
-        inputs: Receiver<Input>,
-        to_self: Sender<Input>,
-        told: SyncSender<Told>,
-    ) -> Self {
+impl<C: Computer> Owner<C> {
+    pub(crate) fn new(computer: C, options: &Options) -> Self {
         Self {
-            clock: Clock::new(),
-            inputs,
-            to_self,
-            told,
+            computer,
             asked_model: options.model,
             settings: options.settings,
             watched: options.watch.iter().copied().collect(),
@@ -106,17 +92,11 @@ impl Owner {
     }
 
     /// Opens the port, tells whether it is open, and runs it until the end.
-    pub(crate) fn run(
-        mut self,
-        options: &Options,
-        opened: &SyncSender<Result<Model, OpenFailure>>,
-    ) -> Ending {
-        run_on_time();
+    pub(crate) fn run(mut self, options: &Options) -> Ending {
         let result = catch_unwind(AssertUnwindSafe(|| {
             let model = self.open(options);
             let is_open = model.is_ok();
-            // The program waits for it.
-            let _ = opened.send(model);
+            self.computer.opened(model);
             if is_open {
                 self.run_open();
             }
@@ -125,7 +105,7 @@ impl Owner {
         if has_failed {
             self.stop_after_failure();
         }
-        let now = self.clock.now();
+        let now = self.computer.now();
         if let Some(host) = self.host.take() {
             let (last, left) = host.close(now);
             for event in last {
@@ -151,7 +131,7 @@ impl Owner {
             let wake = self.turn();
             self.tell_of_run();
             if let Stage::Ending { has_stopped } = self.stage
-                && (has_stopped || !self.is_active())
+                && (has_stopped || !self.needs_stop())
             {
                 return;
             }
@@ -161,7 +141,7 @@ impl Owner {
 
     /// Does everything that is due. Returns when the next turn is.
     pub(crate) fn turn(&mut self) -> Instant {
-        let now = self.clock.now();
+        let now = self.computer.now();
         // The host stays in its place: after a failure in its bus, another bus stops the motors on its line.
         let Some(host) = self.host.as_mut() else {
             return self.look_for_port(now);
@@ -201,7 +181,7 @@ impl Owner {
 
     /// Tells what the run has said.
     fn tell_of_run(&mut self) {
-        let now = self.clock.now();
+        let now = self.computer.now();
         for message in self.runs.take_messages() {
             self.tell(now, Entry::Run(Box::new(message)));
         }
@@ -213,28 +193,21 @@ impl Owner {
             Entry::Event(Event::Line(_) | Event::Telemetry(_)) if !self.tells_traffic => return,
             entry => Told::Entry(now, entry),
         };
-        match self.told.try_send(told) {
-            // A program that takes nothing is stopped by the watchdog of the bus, as its pings are lost too.
-            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
-        }
+        self.computer.tell(told);
     }
 
     /// Waits until this moment or the next input, and handles all that is there.
     pub(crate) fn take_inputs(&mut self, until: Instant) {
-        let wait = until.since(self.clock.now()).min(SLEEP_MAX);
-        match self.inputs.recv_timeout(wait) {
-            Ok(input) => self.handle(input),
-            Err(RecvTimeoutError::Timeout) => return,
-            // This thread has a sender too.
-            Err(RecvTimeoutError::Disconnected) => {}
-        }
-        while let Ok(input) = self.inputs.try_recv() {
-            self.handle(input);
+        let now = self.computer.now();
+        let mut until = until.min(now + SLEEP_MAX);
+        while let Some((input, age)) = self.computer.wait(until) {
+            self.handle(input, age);
+            until = Instant::ZERO;
         }
     }
 
-    fn handle(&mut self, input: Input) {
-        let now = self.clock.now();
+    fn handle(&mut self, input: Input, age: Duration) {
+        let now = self.computer.now();
         match (input, &mut self.host) {
             (Input::Bytes(number, bytes), Some(host)) if number == self.number => {
                 host.receive(now, &bytes);
@@ -242,15 +215,15 @@ impl Owner {
             (Input::PortGone(number), Some(_)) if number == self.number => self.lose_port(),
             (Input::Bytes(..) | Input::PortGone(_), _) | (Input::Alive, None) => {}
             (Input::Alive, Some(host)) => host.bus.page_answered(now),
-            (Input::Command(command, given), _) => {
-                if command.is_too_old(given.elapsed()) {
+            (Input::Command(command), _) => {
+                if command.is_too_old(age) {
                     self.tell(now, Entry::TooLate(command.into()));
                 } else {
                     self.command(now, command);
                 }
             }
-            (Input::Run(message, given), _) => {
-                let is_old = given.elapsed() > COMMAND_AGE_MAX;
+            (Input::Run(message), _) => {
+                let is_old = age > COMMAND_AGE_MAX;
                 let host = self.host.as_mut().filter(|_| self.stage == Stage::Settled);
                 let bus = host.map(|host| &mut host.bus);
                 self.runs.message(now, &message, is_old, bus, self.settings);

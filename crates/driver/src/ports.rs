@@ -96,10 +96,11 @@ fn listed_ports() -> Result<Vec<FoundPort>, OpenFailure> {
 
 /// A port that was chosen.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct ChosenPort {
-    pub(crate) path: String,
+pub struct ChosenPort {
+    /// Its name.
+    pub path: String,
     /// Its adapter. After a replug, the same adapter may have a port of another name.
-    usb: Option<UsbAdapter>,
+    pub usb: Option<UsbAdapter>,
 }
 
 impl ChosenPort {

@@ -16,7 +16,7 @@ use motorlink_protocol::{Frame, Instant, family::Model};
 use serialport::SerialPort;
 
 use crate::{
-    inputs::Input,
+    inputs::{Given, Input},
     latency::run_on_time,
     line::{Line, Written},
 };
@@ -45,7 +45,7 @@ impl SerialLine {
         path: &str,
         model: Model,
         number: u32,
-        inputs: Sender<Input>,
+        inputs: Sender<Given>,
     ) -> serialport::Result<Self> {
         let builder = serialport::new(path, model.spec().baud);
         let port = builder.timeout(WRITE_MAX).open()?;
@@ -105,7 +105,7 @@ fn is_busy(kind: ErrorKind) -> bool {
 }
 
 /// Reads the port until it is closed or gone.
-fn read(port: &mut dyn SerialPort, number: u32, inputs: &Sender<Input>, closing: &AtomicBool) {
+fn read(port: &mut dyn SerialPort, number: u32, inputs: &Sender<Given>, closing: &AtomicBool) {
     run_on_time();
     let mut buffer = [0; BUFFER];
     while !closing.load(Ordering::Relaxed) {
@@ -116,7 +116,7 @@ fn read(port: &mut dyn SerialPort, number: u32, inputs: &Sender<Input>, closing:
             Err(_) => Input::PortGone(number),
         };
         let ends = matches!(input, Input::PortGone(_));
-        if inputs.send(input).is_err() || ends {
+        if inputs.send(input.into()).is_err() || ends {
             return;
         }
     }
