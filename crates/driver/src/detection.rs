@@ -33,13 +33,19 @@ impl<C: Computer> Owner<C> {
             self.close_line();
         }
         if let Some(model) = self.asked_model {
-            return self.open_for(path, model, LeftMotors::Leave);
+            // They may answer now.
+            return self.open_for(path, model, LeftMotors::Stop);
         }
-        let mut search = ModelSearch::from(Model::Ddsm115);
+        let mut search = ModelSearch::from(left.unwrap_or_default());
         while let Some(model) = search.next_model() {
             self.open_for(path, model, LeftMotors::Leave)?;
             let detected = self.wait_on_trial(DETECTION_MAX, Bus::detected_model)?;
             let other = match detected {
+                // What was left driven did not answer before, and may now.
+                Some(DetectedModel::Own) if left.is_some_and(|left| left.is_like(model)) => {
+                    self.close_line();
+                    return self.open_for(path, model, LeftMotors::Stop);
+                }
                 Some(DetectedModel::Own) => return Ok(()),
                 Some(DetectedModel::Other(model)) => Some(model),
                 None => None,
@@ -62,7 +68,8 @@ impl<C: Computer> Owner<C> {
         let line = self.computer.open_line(path, model, self.number)?;
         let now = self.computer.now();
         let mut bus = self.new_bus(now, model).after_another(now).on_trial();
-        if how == LeftMotors::Stop && self.file.left_model() == Some(model) {
+        let left = self.file.left_model();
+        if how == LeftMotors::Stop && left.is_some_and(|left| left.is_like(model)) {
             bus.stop_first(now, self.file.take_left());
         }
         self.host = Some(Host {
