@@ -43,7 +43,7 @@ pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
         let mut owner = shared.borrow_mut();
         let now = owner.now();
         if let PortState::Open(open) = &mut owner.port
-            && open.bus.is_active(now)
+            && open.bus.needs_stop(now)
         {
             open.stage = Stage::Closing(then);
             // A stop is never refused.
@@ -299,7 +299,7 @@ impl Attempt<'_> {
             generation = close_trial(shared, self.lost).await;
         }
         let choice = shared.borrow().model;
-        let mut search = ModelSearch::from(choice.model);
+        let mut search = ModelSearch::from(left_model.unwrap_or(choice.model));
         while choice.detect
             && let Some(model) = search.next_model()
         {
@@ -313,6 +313,12 @@ impl Attempt<'_> {
             let other = match detected_model(shared, generation).await? {
                 Some(DetectedModel::Own) => {
                     shared.borrow_mut().model.model = model;
+                    if left_model.is_some_and(|left| left.is_like(model)) {
+                        // What was left driven did not answer before, and may now.
+                        generation = close_trial(shared, self.lost).await;
+                        let find = LeftMotors::Find;
+                        return self.open_one(generation, candidate, model, find).await;
+                    }
                     let left = LeftOnTrial::None;
                     return Ok(Ok(Opened { generation, left }));
                 }

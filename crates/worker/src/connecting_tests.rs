@@ -3,6 +3,7 @@ use std::time::Duration;
 use motorlink_bus::{Consent, IdQueryOutcome, StopReason};
 use motorlink_messages::{Connection, LineError, UsbId};
 use motorlink_protocol::{Setpoint, SpeedTarget};
+use motorlink_simulator::LineCondition;
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use super::*;
@@ -155,6 +156,39 @@ async fn a_motor_left_driven_that_does_not_answer_does_not_hide_the_others() {
             updates.last().is_some_and(known)
         })
         .await;
+}
+
+/// The line is dead while the port is opened, and good again when the model is looked for.
+#[wasm_bindgen_test]
+async fn a_motor_left_driven_that_answers_late_is_stopped() {
+    let bench = Bench::new();
+    let port = bench.port(CH340, &[1]);
+    driving(&bench, &port).await;
+    drop(bench);
+
+    let bench = Bench::new();
+    let port = bench.port_to(CH340, port.world.clone());
+    let line = |condition| {
+        let now = bench.now();
+        port.world.borrow_mut().set_line_condition(now, condition);
+    };
+    line(LineCondition::Dead);
+    bench.plug(&port);
+    bench.connect_left(&[1]);
+    bench
+        .until("the stop", |bench| !stops_left_driven(bench).is_empty())
+        .await;
+    assert_eq!(stops_left_driven(&bench), [[(ONE, false)]]);
+    assert!(port.speed(1) > 90.0);
+    line(LineCondition::Good);
+    bench
+        .until("the other stop", |bench| {
+            stops_left_driven(bench).len() == 2
+        })
+        .await;
+    assert_eq!(stops_left_driven(&bench)[1], [(ONE, true)]);
+    assert!(port.speed(1).abs() < 1.0);
+    bench.until_connected().await;
 }
 
 #[wasm_bindgen_test]
