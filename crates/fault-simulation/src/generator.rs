@@ -274,7 +274,7 @@ impl Generator {
             .collect()
     }
 
-    fn motor(&mut self) -> MotorId {
+    pub(crate) fn motor(&mut self) -> MotorId {
         let place = self.rng.usize(..self.motors.len().max(1));
         self.motors.get(place).copied().unwrap_or(MotorId::FIRST)
     }

@@ -6,7 +6,7 @@
 //! that break the same rule only the first is shrunk. `--model M` is the model of the motors; without it every
 //! model has its turn, each with the time or number of scenarios. `--when-silent keep`, `coast` or `brake` is their
 //! firmware; without it each seed draws it. `--lines hostile` adds random parts of echoes, a byte beside replies, blocks of
-//! 32 bytes and floating pairs.
+//! 32 bytes and floating pairs. `--play driver` plays the native driver on computers that fail instead.
 
 use std::{
     collections::BTreeMap,
@@ -23,6 +23,8 @@ use anyhow::{Context, Result, bail};
 use motorlink_fault_simulation::{Coverage, Failure, Rule, Scenario, play, shrink, trace_lines};
 use motorlink_protocol::family::Model;
 use motorlink_simulator::WhenSilent;
+
+mod driver_soak;
 
 /// Lines of the trace before a broken rule.
 const TRACE_SHOWN: usize = 40;
@@ -43,6 +45,7 @@ fn soak() -> Result<bool> {
     let (mut seconds, mut seeds, mut from, mut only) = (60, u64::MAX, 1, None);
     let mut when_silent = None;
     let mut on_hostile_lines = false;
+    let mut plays_driver = false;
     let mut models = Model::ALL.to_vec();
     let mut arguments = env::args().skip(1);
     while let Some(flag) = arguments.next() {
@@ -62,6 +65,10 @@ fn soak() -> Result<bool> {
             on_hostile_lines = true;
             continue;
         }
+        if flag == "--play" && value == "driver" {
+            plays_driver = true;
+            continue;
+        }
         let number: u64 = value.parse().with_context(|| format!("{flag} {value}"))?;
         match flag.as_str() {
             "--seconds" => seconds = number,
@@ -69,9 +76,15 @@ fn soak() -> Result<bool> {
             "--from" => from = number,
             "--seed" => only = Some(number),
             _ => bail!(
-                "usage: soak [--model M] [--when-silent keep|coast|brake] [--lines hostile] [--seconds N | --seeds N] [--from N] [--seed N]"
+                "usage: soak [--model M] [--when-silent keep|coast|brake] [--lines hostile] [--play driver] [--seconds N | --seeds N] [--from N] [--seed N]"
             ),
         }
+    }
+    if plays_driver {
+        return Ok(match only {
+            Some(seed) => driver_soak::play_one(seed),
+            None => driver_soak::play_many(seconds, from, from.saturating_add(seeds)),
+        });
     }
     let mut all_held = true;
     for model in models {
@@ -128,19 +141,12 @@ fn soak_one(motors: Motors, seed: u64) -> bool {
 /// Plays many seeds and prints the tables.
 fn soak_many(motors: Motors, seconds: u64, seeds: u64, from: u64) -> bool {
     let began = Instant::now();
-    let until = began + Duration::from_secs(seconds);
-    let next = AtomicU64::new(from);
     let end = from.saturating_add(seeds);
     let mut played = Played::default();
-    thread::scope(|scope| {
-        let cores = thread::available_parallelism().map_or(1, Into::into);
-        let start = |_| scope.spawn(|| play_some(motors, &next, end, until));
-        // All threads start before the first join.
-        let threads: Vec<_> = (0..cores).map(start).collect();
-        for thread in threads {
-            played.add(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        }
-    });
+    let play = |seed, played: &mut Played| played.play(motors, seed);
+    for some in on_all_cores(seconds, from, end, play) {
+        played.add(some);
+    }
     played.failures.sort_by_key(|(seed, _)| *seed);
     let mut broken = BTreeMap::new();
     for (seed, failure) in &played.failures {
@@ -164,6 +170,17 @@ struct Played {
 }
 
 impl Played {
+    fn play(&mut self, motors: Motors, seed: u64) {
+        self.seeds += 1;
+        if let Err(failure) = play(&motors.scenario(seed), &mut self.coverage) {
+            println!(
+                "{}, seed {seed}, step {}: {}",
+                motors.model, failure.step, failure.violation
+            );
+            self.failures.push((seed, failure));
+        }
+    }
+
     fn add(&mut self, other: Self) {
         self.seeds += other.seeds;
         self.coverage += other.coverage;
@@ -171,24 +188,36 @@ impl Played {
     }
 }
 
-/// Plays seeds that no other thread has taken, until the last seed or the end of the time.
-fn play_some(motors: Motors, next: &AtomicU64, end: u64, until: Instant) -> Played {
-    let mut played = Played::default();
-    while Instant::now() < until {
-        let seed = next.fetch_add(1, Ordering::Relaxed);
-        if seed >= end {
-            break;
+/// Plays seeds on all cores, until the last one or the end of the time. Returns the results of each core.
+fn on_all_cores<P: Default + Send>(
+    seconds: u64,
+    from: u64,
+    end: u64,
+    play: impl Fn(u64, &mut P) + Sync,
+) -> Vec<P> {
+    let until = Instant::now() + Duration::from_secs(seconds);
+    let next = AtomicU64::new(from);
+    // Each thread plays seeds that no other has taken.
+    let play_some = || {
+        let mut played = P::default();
+        while Instant::now() < until {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= end {
+                break;
+            }
+            play(seed, &mut played);
         }
-        played.seeds += 1;
-        if let Err(failure) = play(&motors.scenario(seed), &mut played.coverage) {
-            println!(
-                "{}, seed {seed}, step {}: {}",
-                motors.model, failure.step, failure.violation
-            );
-            played.failures.push((seed, failure));
-        }
-    }
-    played
+        played
+    };
+    thread::scope(|scope| {
+        let cores = thread::available_parallelism().map_or(1, Into::into);
+        // All threads start before the first join.
+        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(play_some)).collect();
+        let joined = threads.into_iter().map(thread::ScopedJoinHandle::join);
+        joined
+            .map(|played| played.unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    })
 }
 
 /// Prints the tables in the form of the documents.

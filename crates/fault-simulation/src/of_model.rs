@@ -46,7 +46,7 @@ fn with_an_echo_from_the_start(actions: Vec<Action>) -> Vec<Action> {
 /// The same action for motors of this model. `is_open` if the open loop takes the place of the current loop.
 fn action_for(model: Model, is_open: bool, action: Action) -> Action {
     match action {
-        Action::Command(given) => Action::Command(command(model, is_open, given)),
+        Action::Command(given) => Action::Command(command_for(model, is_open, given)),
         Action::WorkerAbsent {
             cause,
             duration,
@@ -57,7 +57,7 @@ fn action_for(model: Model, is_open: bool, action: Action) -> Action {
                     command: given,
                     age,
                 } => PendingInput::Command {
-                    command: command(model, is_open, given),
+                    command: command_for(model, is_open, given),
                     age,
                 },
                 other => other,
@@ -72,7 +72,8 @@ fn action_for(model: Model, is_open: bool, action: Action) -> Action {
     }
 }
 
-fn command(model: Model, is_open: bool, given: Command) -> Command {
+/// The same command for motors of this model.
+pub(crate) fn command_for(model: Model, is_open: bool, given: Command) -> Command {
     match given {
         Command::Start {
             id,

@@ -28,8 +28,12 @@ const CRATES: [&[&str]; 11] = [
     &["motorlink-fuzz-checks", "end-to-end", "xtask"],
     &["motorlink"],
     &["motorlink-python"],
-    &["motorlink-worker", "motorlink-command"],
-    &["motorlink-fault-simulation", "motorlink-driver"],
+    &[
+        "motorlink-worker",
+        "motorlink-command",
+        "motorlink-fault-simulation",
+    ],
+    &["motorlink-driver"],
     &["motorlink-session"],
     &[
         "motorlink-recorder",

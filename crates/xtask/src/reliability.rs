@@ -16,7 +16,7 @@ use crate::tools;
 use crate::workspace::Workspace;
 
 /// The parts that can be run alone.
-pub const PARTS: [&str; 5] = ["seeds", "sabotage", "fuzz", "browser", "hidden"];
+pub const PARTS: [&str; 6] = ["seeds", "driver", "sabotage", "fuzz", "browser", "hidden"];
 
 /// The fuzz targets: the programs in `fuzz/fuzz_targets`.
 const FUZZED: [&str; 5] = [
@@ -66,6 +66,7 @@ pub fn show(
         // A part that fails does not prevent the others.
         failed = failed.and(match part {
             "seeds" => worlds(workspace, seeds, &mut rows),
+            "driver" => play_worlds(workspace, seeds, &["--play", "driver"], &mut rows),
             "sabotage" => sabotage::show(workspace, &mut rows, rule),
             "fuzz" => fuzz(workspace, seconds, &mut rows),
             "browser" => scenarios(workspace, &SCENARIOS, "", &mut rows),
@@ -82,18 +83,20 @@ pub fn show(
 
 /// Plays the worlds of each model, whose firmware the seeds draw, and those of the DDSM115 with each firmware.
 fn worlds(workspace: &Workspace, seeds: u64, rows: &mut Rows) -> Result<()> {
-    let seeds = seeds.to_string();
-    let mut play = |flags: &[&str]| {
-        let mut worlds = bench::worlds(workspace);
-        worlds.args(["--seeds", &seeds]).args(flags);
-        process::run_with_lines(&mut worlds, |line| rows.add_line(line))
-    };
+    let mut play = |flags: &[&str]| play_worlds(workspace, seeds, flags, rows);
     // Firmware that breaks a rule does not prevent the others.
     let mut played = play(&[]);
     for firmware in FIRMWARE {
         played = played.and(play(&["--model", "ddsm115", "--when-silent", firmware]));
     }
     played
+}
+
+/// Plays so many worlds with these flags, and adds the rows that they print.
+fn play_worlds(workspace: &Workspace, seeds: u64, flags: &[&str], rows: &mut Rows) -> Result<()> {
+    let mut worlds = bench::worlds(workspace);
+    worlds.args(["--seeds", &seeds.to_string()]).args(flags);
+    process::run_with_lines(&mut worlds, |line| rows.add_line(line))
 }
 
 /// Runs the fuzz targets, as many at the same time as there are cores.

@@ -1,4 +1,4 @@
-//! Breaks the bus on purpose, one rule at a time, and counts the worlds that notice.
+//! Breaks the bus and the driver on purpose, one rule at a time, and counts the worlds that notice.
 //!
 //! A rule that never fails proves nothing. Each sabotage replaces a few words of a copy of the sources, and
 //! the worlds are played on that copy.
@@ -49,9 +49,9 @@ pub fn show(workspace: &Workspace, rows: &mut Rows, rule: Option<&str>) -> Resul
     }
     let home = workspace.target().join("sabotage");
     let sources = home.join("sources");
-    let play = |model: &str| -> Result<Found> {
+    let play = |flags: [&str; 2]| -> Result<Found> {
         // A bus that is broken lets the program fail: what it prints is what counts.
-        let mut worlds = worlds(&sources, &home.join("build"), model);
+        let mut worlds = worlds(&sources, &home.join("build"), flags);
         let output = worlds.output().context("cannot start cargo")?;
         let printed = String::from_utf8_lossy(&output.stdout);
         let Some(found) = Found::read(&printed) else {
@@ -63,7 +63,7 @@ pub fn show(workspace: &Workspace, rows: &mut Rows, rule: Option<&str>) -> Resul
         Ok(found)
     };
     copy(workspace.root(), &sources)?;
-    let whole = play("ddsm115")?;
+    let whole = play(["--model", "ddsm115"])?;
     println!("as it is: {}", whole.words());
     let mut unnoticed = Vec::new();
     let is_asked = |it: &&Sabotage| rule.is_none_or(|rule| rule == it.rule);
@@ -71,7 +71,7 @@ pub fn show(workspace: &Workspace, rows: &mut Rows, rule: Option<&str>) -> Resul
         let file = sources.join(sabotage.file);
         let was = fs::read_to_string(&file)?;
         fs::write(&file, sabotage.applied(workspace.root())?)?;
-        let found = play(sabotage.model());
+        let found = play(sabotage.worlds());
         fs::write(&file, was)?;
         let found = match found {
             Ok(found) => found,
@@ -127,12 +127,12 @@ impl Sabotage {
         })
     }
 
-    /// The model whose worlds notice. A DDSM115 tells every value in one reply, so none of them can be invented unless
-    /// the reply is.
-    fn model(&self) -> &'static str {
+    /// Which worlds notice. A DDSM115 tells every value in one reply, so none of them can be invented unless the reply is.
+    fn worlds(&self) -> [&'static str; 2] {
         match self.rule {
-            "NoInventedValue" => "ddsm210",
-            _ => "ddsm115",
+            _ if self.file.starts_with("crates/driver/") => ["--play", "driver"],
+            "NoInventedValue" => ["--model", "ddsm210"],
+            _ => ["--model", "ddsm115"],
         }
     }
 
@@ -206,11 +206,11 @@ impl Found {
 }
 
 /// The program that plays worlds, of the sources in a directory.
-fn worlds(sources: &Path, build: &Path, model: &str) -> Command {
+fn worlds(sources: &Path, build: &Path, flags: [&str; 2]) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(sources).env("CARGO_TARGET_DIR", build);
     bench::add_simulation(&mut cargo);
-    cargo.args(["--model", model, "--seeds", SEEDS]);
+    cargo.args(flags).args(["--seeds", SEEDS]);
     cargo
 }
 
@@ -272,14 +272,16 @@ mod tests {
 
     #[test]
     fn every_rule_has_a_sabotage() {
-        let rules = include_str!("../../fault-simulation/src/rule.rs");
-        let (_, list) = rules.split_once("pub const ALL").unwrap();
-        let (list, _) = list.split_once("];").unwrap();
-        let rules: Vec<&str> = list
-            .lines()
-            .filter_map(|line| line.trim().strip_prefix("Self::")?.strip_suffix(','))
-            .collect();
-        assert!(rules.len() >= 22, "{rules:?}");
+        let of_bus = include_str!("../../fault-simulation/src/rule.rs");
+        let of_driver = include_str!("../../fault-simulation/src/driver/rule.rs");
+        let rules = |source: &'static str| {
+            let (_, list) = source.split_once("pub const ALL").unwrap();
+            let (list, _) = list.split_once("];").unwrap();
+            let lines = list.lines();
+            lines.filter_map(|line| line.trim().strip_prefix("Self::")?.strip_suffix(','))
+        };
+        let rules: Vec<&str> = rules(of_bus).chain(rules(of_driver)).collect();
+        assert!(rules.len() >= 42, "{rules:?}");
         for rule in rules {
             let has_one = sabotages().iter().any(|sabotage| sabotage.rule == rule);
             assert!(has_one, "{rule}");

@@ -15,7 +15,7 @@ use super::Generator;
 const ALL: u8 = 0xC8;
 
 impl Generator {
-    pub(super) fn command(&mut self, id: MotorId) -> Command {
+    pub(crate) fn command(&mut self, id: MotorId) -> Command {
         let consent = self.consent();
         let setpoint = self.setpoint();
         match self.rng.u8(..38) {
@@ -164,7 +164,7 @@ impl Generator {
         }
     }
 
-    pub(super) fn speed(&mut self) -> Setpoint {
+    pub(crate) fn speed(&mut self) -> Setpoint {
         Setpoint::velocity(SpeedTarget::clamped(self.rng.i32(-200..=200)))
     }
 
