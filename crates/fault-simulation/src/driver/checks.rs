@@ -19,7 +19,7 @@ const OPENS_WITHIN: Duration = Duration::from_secs(10);
 const ENDS_WITHIN: Duration = Duration::from_secs(6);
 /// A loss is told within this.
 const LOSS_TOLD_WITHIN: Duration = Duration::from_millis(700);
-/// A port that is back is open within this: a pause, and a search for the model.
+/// A port that is back, and on which no stop runs, is open within this: a pause, and a search for the model.
 const BACK_WITHIN: Duration = Duration::from_secs(4);
 /// A status is answered within this.
 const STATUS_WITHIN: Duration = Duration::from_secs(1);
@@ -109,11 +109,8 @@ impl Rules {
             return broken(DriverRule::LossIsTold, now, "the loss is not told");
         }
         let is_lost = self.line == LineState::Lost && self.ends.is_none();
-        if is_lost
-            && self
-                .well_since
-                .is_some_and(|since| late(since, BACK_WITHIN))
-        {
+        let is_well_since = self.well_since.map(|since| since.max(self.last_stop));
+        if is_lost && is_well_since.is_some_and(|since| late(since, BACK_WITHIN)) {
             return broken(DriverRule::ComesBack, now, "the port is not open again");
         }
         if let Some((asked, answer)) = &self.status {

@@ -48,6 +48,8 @@ pub(super) struct Rules {
     /// Since when the port is good, and the process not frozen.
     pub(super) well_since: Option<Instant>,
     pub(super) last_frozen: Instant,
+    /// When the program last asked for a stop. A port on trial stays open for it.
+    pub(super) last_stop: Instant,
     /// Motors that turn and are in no file, as the disk was full.
     pub(super) forgotten: BTreeSet<MotorId>,
     pub(super) disk_is_full: bool,
@@ -137,8 +139,14 @@ impl Rules {
                     self.asks(motor.id());
                 }
             }
-            Command::Stop(id) => self.lets_go(now, id, DriverRule::StopsInTime),
-            Command::StopAll(_) => self.lets_all_go(now, world, DriverRule::StopsInTime),
+            Command::Stop(id) => {
+                self.last_stop = now;
+                self.lets_go(now, id, DriverRule::StopsInTime);
+            }
+            Command::StopAll(_) => {
+                self.last_stop = now;
+                self.lets_all_go(now, world, DriverRule::StopsInTime);
+            }
             _ => {}
         }
     }
@@ -152,7 +160,7 @@ impl Rules {
     }
 
     fn lets_go(&mut self, now: Instant, id: MotorId, rule: DriverRule) {
-        if self.asked.remove(&id) {
+        if self.asked.remove(&id) && !self.forgotten.contains(&id) {
             self.let_go.insert(id, now);
             self.must_stand.entry(id).or_insert((rule, now));
         }
