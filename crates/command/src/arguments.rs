@@ -14,6 +14,7 @@ use crate::{
     parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
     session::arguments::SessionAction,
     signed_id::SignedId,
+    wizard::arguments::Wizard,
 };
 
 /// Drives hub motors DDSM115 (M0601), DDSM315, DDSM210 and DDSM400 on a serial port, and shows what they do.
@@ -36,6 +37,7 @@ Examples:
   motorlink --id 1,-2 drive velocity 60          two wheels of a rover; the second is mirrored
   motorlink --virtual=2 control                  by keys, without hardware
   motorlink set-id --new 2                       give the only motor on the bus another ID
+  motorlink wizard --count 4                     give four motors the IDs 1 to 4, one after the other
   motorlink monitor --csv > telemetry.csv
   motorlink doctor --rpm 60                      what is wrong with the line, at rest and while the wheel turns
   motorlink step to_rpm=120 --out results        figures of the speed loop, and a report
@@ -134,6 +136,8 @@ pub enum Action {
         #[arg(long)]
         yes: bool,
     },
+    /// Give the motors of a rover their IDs, one after the other, and find out which wheel each of them turns
+    Wizard(Wizard),
     /// Send ten bytes as they are, or nine with their CRC added, and show the answer
     Raw {
         /// Bytes in hex, such as "01 74 00 00 00 00 00 00 00"

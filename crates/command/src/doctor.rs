@@ -177,7 +177,7 @@ fn turn(connection: &Connection, how: &Doctor, setpoint: Setpoint) -> Result<boo
             motors.collect::<Vec<_>>().join(", "),
             how.secs
         );
-        match confirm_on(connection, question) {
+        match confirm_on(connection, &question) {
             Ok(()) => {}
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
             Err(_) => return Ok(false),

@@ -123,9 +123,25 @@ fn usage(error: impl std::fmt::Display) -> Failure {
     Failure::Usage(error.to_string())
 }
 
-/// Waits until the time is over, which counts from the moment at which all motors are driven.
-fn hold(connection: &Connection, secs: Option<Duration>) -> Result<(), Failure> {
+/// Holds what was started until the time is over, which counts from the moment at which all motors are driven.
+///
+/// # Errors
+/// A motor, the line or Ctrl-C has ended the drive.
+pub fn hold(connection: &Connection, secs: Option<Duration>) -> Result<(), Failure> {
     let shows = stdout().is_terminal();
+    let held = hold_showing(connection, secs, shows);
+    if shows {
+        // What follows is below the line that was drawn. A terminal that is gone ends the program by a signal.
+        let _ = writeln!(stdout());
+    }
+    held
+}
+
+fn hold_showing(
+    connection: &Connection,
+    secs: Option<Duration>,
+    shows: bool,
+) -> Result<(), Failure> {
     let model = connection.driver.model();
     let mut until = None;
     let mut was_lost = false;
@@ -175,9 +191,10 @@ fn draw(status: &Status, motors: &[SignedId], model: Model) {
         ))
     };
     let motors: Vec<_> = motors.iter().filter_map(of).collect();
-    print!("\r\x1b[K{}  Ctrl-C stops", motors.join("  "));
+    let mut out = stdout().lock();
     // A terminal that is gone ends the program by a signal.
-    let _ = stdout().flush();
+    let _ = write!(out, "\r\x1b[K{}  Ctrl-C stops", motors.join("  "));
+    let _ = out.flush();
 }
 
 /// Whether an entry ends the drive. What was driven when the port was lost is stopped when it is back, which ends it too.

@@ -32,6 +32,7 @@ mod values;
 #[cfg(unix)]
 mod virtual_motors;
 mod watching;
+mod wizard;
 mod words;
 
 use std::ffi::OsString;
@@ -128,6 +129,7 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
         Action::Stop => stop::run(&global, ender),
         Action::Doctor(how) => doctor::run(&global, &how, ender),
         Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),
+        Action::Wizard(how) => wizard::run(&global, &how, ender),
         Action::Raw { frame, yes } => raw::run(&global, frame, yes, ender),
         Action::Run { file, how } => {
             experiment::run(&global, experiment::Asked::File(&file), &how, ender)

@@ -26,7 +26,7 @@ pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<()
         say(format_args!(
             "It may move a wheel or change a motor. A motor that it moves is stopped when this program ends."
         ));
-        confirm("Send it?")?;
+        confirm(ender, "Send it?")?;
     }
     on_line(global, ender, |_| (), |connection| send(connection, frame))
 }

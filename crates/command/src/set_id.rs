@@ -31,17 +31,27 @@ pub fn run(global: &Global, new: AssignableId, yes: bool, ender: &Ender) -> Resu
                 "The only motor on the bus has ID {from}. It keeps the new ID {to} without power."
             ));
             if !yes {
-                confirm_on(connection, "Change it?".to_owned())?;
-                // A person may have plugged in another motor meanwhile, and the proof has a minute.
-                if only_motor(connection)? != from {
-                    let text = "another motor is on the bus now";
-                    return Err(Failure::NotDone(text.to_owned()));
-                }
+                confirm_on(connection, "Change it?")?;
+                prove_again(connection, from)?;
             }
             change(connection, from, new)?;
             print(format_args!("Motor {from} has ID {to} now, verified."))
         },
     )
+}
+
+/// Proves after a question that this motor is still the only one.
+///
+/// A person may have plugged in another motor meanwhile, and the proof has a minute.
+///
+/// # Errors
+/// It is not.
+pub fn prove_again(connection: &Connection, only: MotorId) -> Result<(), Failure> {
+    if only_motor(connection)? == only {
+        return Ok(());
+    }
+    let text = "another motor is on the bus now";
+    Err(Failure::NotDone(text.to_owned()))
 }
 
 /// Changes the ID of the only motor on the bus, and verifies it.

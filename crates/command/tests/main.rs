@@ -15,5 +15,7 @@ mod program;
 mod ros2_files;
 mod serial_port;
 mod session_files;
+mod terminal;
 mod tools;
 mod ways_out;
+mod wizard;

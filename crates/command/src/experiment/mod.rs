@@ -57,7 +57,7 @@ pub fn run(global: &Global, asked: Asked<'_>, how: &RunHow, ender: &Ender) -> Re
         let run = checked(&connection, &study, how)?;
         if !how.yes {
             let question = format!("{}. Keep clear of the wheels. Start?", run.plan());
-            confirm_on(&connection, question)?;
+            confirm_on(&connection, &question)?;
         }
         let driver = &connection.driver;
         let experiment = experiment.insert(Experiment::arm(driver, run));
