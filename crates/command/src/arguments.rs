@@ -12,6 +12,7 @@ use motorlink_protocol::{AssignableId, Frame, family::Model};
 use crate::{
     experiment::arguments::{Property, RunHow, parameters_of},
     parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
+    replay::arguments::Replay,
     session::arguments::SessionAction,
     signed_id::SignedId,
     wizard::arguments::Wizard,
@@ -189,6 +190,8 @@ pub enum Action {
         #[arg(long, value_parser = seconds, value_name = "SECS")]
         secs: Option<Duration>,
     },
+    /// Play a session file in the terminal, or write its telemetry. Exit code 1 if something of it is missing or damaged
+    Replay(Replay),
     /// Show virtual motors on a pseudo-terminal, for any serial program
     ///
     /// Prints `ready <path>` when a serial program may open that path, 8N1 at the baud of the model: 115200, or

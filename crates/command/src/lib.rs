@@ -20,7 +20,9 @@ mod ports;
 mod raw;
 mod record;
 mod recording;
+mod replay;
 mod scan;
+mod screen;
 mod session;
 mod set_id;
 #[cfg(unix)]
@@ -146,6 +148,7 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
             let asked = experiment::Asked::Study(what.kind(), &set);
             experiment::run(&global, asked, &how, ender)
         }
+        Action::Replay(how) => replay::run(&global, &how, ender),
         Action::Record { file, secs } => record::run(&global, &file, secs, ender),
         // They need no line.
         Action::Session { .. } | Action::Completions { .. } | Action::Man { .. } => Ok(()),

@@ -3,7 +3,6 @@
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
-    fs::File,
     io::{IsTerminal, Write, stdout},
     time::{Duration, Instant},
 };
@@ -18,7 +17,7 @@ use crate::{
     arguments::{Global, Monitor},
     connection::{Connection, Happened, on_line},
     failure::Failure,
-    output::say,
+    output::{print, rows_to},
     recording::zero_unix_us,
     values::Values,
     watching::watch_found,
@@ -61,18 +60,7 @@ fn output(connection: &Connection, how: &Monitor) -> Result<Output, Failure> {
         let draws = stdout().is_terminal();
         return Ok(if draws { Output::Table } else { Output::Lines });
     };
-    let mut out: Box<dyn Write> = match csv {
-        Some(path) => {
-            if path.exists() {
-                say(format_args!(
-                    "{} exists already: it is overwritten",
-                    path.display()
-                ));
-            }
-            Box::new(File::create(path).map_err(Failure::file(path))?)
-        }
-        None => Box::new(stdout()),
-    };
+    let mut out = rows_to(csv.as_deref())?;
     let mut lines = CsvLines::of_telemetry();
     let mut head = Vec::new();
     lines.head(&mut head);
@@ -163,15 +151,18 @@ fn write(event: &LineEvent, output: &mut Output, is_taken: bool) -> Result<(), F
             if let Some((id, json)) = lines.add_event(event)
                 && is_taken
             {
-                let rest = json.strip_prefix('{').unwrap_or_default();
-                let mut out = stdout().lock();
-                let written = writeln!(out, "{{\"motor_id\":{},{rest}", id.get());
-                written.map_err(Failure::output)?;
+                print(with_id(id, &json))?;
             }
         }
         Output::Table | Output::Lines => {}
     }
     Ok(())
+}
+
+/// The telemetry of a motor with its ID in front.
+pub fn with_id(id: MotorId, json: &str) -> String {
+    let rest = json.strip_prefix('{').unwrap_or_default();
+    format!("{{\"motor_id\":{},{rest}", id.get())
 }
 
 fn lines(connection: &Connection) -> Result<Vec<String>, Failure> {

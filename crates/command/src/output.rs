@@ -2,7 +2,9 @@
 
 use std::{
     fmt::Display,
+    fs::File,
     io::{Write, stderr, stdout},
+    path::Path,
 };
 
 use crate::failure::Failure;
@@ -18,4 +20,22 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
 /// Says something to the person. Where nobody can read it, the command goes on.
 pub fn say(text: impl Display) {
     let _ = writeln!(stderr().lock(), "{text}");
+}
+
+/// Where rows go: to this file, or to the standard output.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn rows_to(file: Option<&Path>) -> Result<Box<dyn Write>, Failure> {
+    let Some(path) = file else {
+        return Ok(Box::new(stdout()));
+    };
+    if path.exists() {
+        say(format_args!(
+            "{} exists already: it is overwritten",
+            path.display()
+        ));
+    }
+    let file = File::create(path).map_err(Failure::file(path))?;
+    Ok(Box::new(file))
 }

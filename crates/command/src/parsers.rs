@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{CommandRate, Ramp};
+use motorlink_messages::sessions::PlaySpeed;
 use motorlink_protocol::{AssignableId, Frame, MotorId};
 
 pub fn assignable(text: &str) -> Result<AssignableId, String> {
@@ -47,6 +48,18 @@ pub fn ramp(text: &str) -> Result<Ramp, String> {
     let ramp = text.trim().parse().ok().map(Ramp::new);
     ramp.and_then(Result::ok)
         .ok_or_else(|| "expected 1 to 10000 rpm a second".to_owned())
+}
+
+pub fn play_speed(text: &str) -> Result<PlaySpeed, String> {
+    let factor = text.trim().parse::<f64>().ok();
+    let factor = factor.filter(|factor| (0.1..=100.0).contains(factor));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "100 to 100,000"
+    )]
+    let speed = factor.map(|factor| PlaySpeed::from_per_mille((factor * 1_000.0).round() as u32));
+    speed.ok_or_else(|| "expected 0.1 to 100".to_owned())
 }
 
 /// Ten bytes, or nine to which the CRC is added. Commas and `0x` are allowed.

@@ -12,6 +12,7 @@ mod experiments;
 mod generated_programs;
 mod models;
 mod program;
+mod replay;
 mod ros2_files;
 mod serial_port;
 mod session_files;

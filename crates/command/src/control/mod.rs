@@ -1,9 +1,11 @@
 //! `motorlink control`: drives motors by keys, full screen.
 
 mod keys;
-mod screen;
 
-use std::time::{Duration, Instant};
+use std::{
+    ops::Range,
+    time::{Duration, Instant},
+};
 
 use motorlink_bus::{Activity, Command, Consent, GroupError, StopReason};
 use motorlink_driver::{Ender, Next, Status};
@@ -11,24 +13,27 @@ use motorlink_protocol::{Acceleration, Setpoint, SpeedTarget};
 use ratatui::{
     DefaultTerminal,
     crossterm::event::{self, Event, KeyEventKind},
+    style::Color,
 };
 
 use crate::{
     arguments::Global,
     connection::{Connection, on_line},
     failure::Failure,
+    screen::{Around, Screen, on_full_screen},
     signed_id::SignedId,
     starting,
     watching::watch_found,
     words,
 };
 use keys::{Asked, Held};
-use screen::Screen;
 
 /// How often the screen is drawn.
 const DRAW: Duration = Duration::from_millis(100);
 /// How long a key is waited for before the entries of the driver are taken: it must hear from this program twice a second.
 const KEY_WAIT: Duration = Duration::from_millis(15);
+
+const KEYS: &str = "F/B forward, back  1-5 50-250 rpm  ←/→ ±10  S stop  K brake  Space stop all  R release  ↑/↓ motor  G group  Q quit";
 
 /// What `control` is given.
 #[derive(Clone, Copy, Debug)]
@@ -50,22 +55,15 @@ pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
         |connection| {
             watch_found(connection)?;
             let model = connection.driver.model();
-            let screen = Screen::new(connection.motors.clone(), model, how.latches);
-            // It also restores the terminal before a panic is printed.
-            let terminal = ratatui::try_init().map_err(|error| {
-                Failure::Usage(format!(
-                    "control needs a terminal ({error}); use drive in scripts"
-                ))
-            })?;
             let mut control = Control {
+                screen: Screen::new(connection.motors.clone(), model),
                 connection,
-                screen,
                 how,
                 held: Held::default(),
+                selected: 0,
+                is_group: false,
             };
-            let done = control.run(terminal);
-            ratatui::restore();
-            done
+            on_full_screen("use drive in scripts", |terminal| control.run(terminal))
         },
     )
 }
@@ -75,6 +73,10 @@ struct Control<'a> {
     screen: Screen,
     how: How,
     held: Held,
+    /// The place of the selected motor.
+    selected: usize,
+    /// Whether all motors are driven together.
+    is_group: bool,
 }
 
 impl Control<'_> {
@@ -93,9 +95,14 @@ impl Control<'_> {
                 let Ok(status) = self.connection.status() else {
                     return Ok(());
                 };
-                self.screen.record(&status);
+                for motor in &status.motors {
+                    if let Some((at, speed)) = motor.speed {
+                        self.screen.speed(motor.id, at, speed);
+                    }
+                }
+                let around = self.around(&status);
                 terminal
-                    .draw(|frame| self.screen.draw(frame, &status))
+                    .draw(|frame| self.screen.draw(frame, &status, &around))
                     .map_err(Failure::output)?;
             }
         }
@@ -177,22 +184,58 @@ impl Control<'_> {
                 self.stop();
                 let count = self.screen.motors.len().max(1);
                 let step = if by < 0 { count - 1 } else { 1 };
-                self.screen.selected = (self.screen.selected + step) % count;
+                self.selected = (self.selected + step) % count;
             }
             Asked::Group => {
                 self.stop();
-                self.screen.is_group = !self.screen.is_group && self.screen.motors.len() > 1;
+                self.is_group = !self.is_group && self.screen.motors.len() > 1;
             }
             Asked::Quit => {}
         }
     }
 
+    /// The places of the motors that the keys drive.
+    fn chosen(&self) -> Range<usize> {
+        if self.is_group {
+            0..self.screen.motors.len()
+        } else {
+            self.selected..self.selected + 1
+        }
+    }
+
     fn selected(&self) -> impl Iterator<Item = SignedId> + '_ {
-        let is_chosen = |place: usize| self.screen.is_group || place == self.screen.selected;
-        let motors = self.screen.motors.iter().enumerate();
-        motors
-            .filter(move |(place, _)| is_chosen(*place))
-            .map(|(_, motor)| *motor)
+        let chosen = self.screen.motors.get(self.chosen());
+        chosen.unwrap_or_default().iter().copied()
+    }
+
+    fn around(&self, status: &Status) -> Around<'static> {
+        let (head, colour) = if !status.is_open {
+            ("The port is gone. Waiting for it.".to_owned(), Color::Red)
+        } else if status.is_halted {
+            ("STOPPED: all motors. R releases.".to_owned(), Color::Red)
+        } else {
+            let hertz = status.line.map_or(0, |line| line.exchanges_hz);
+            let keys = if self.how.latches {
+                "keys latch"
+            } else {
+                "hold a key to run"
+            };
+            let model = self.screen.model;
+            let text = format!("MotorLink  {model}  {hertz} exchanges a second  {keys}");
+            (text, Color::Green)
+        };
+        let title = if self.is_group {
+            " Motors, driven together "
+        } else {
+            " Motors "
+        };
+        Around {
+            head,
+            colour,
+            title,
+            marked: self.chosen(),
+            keys: KEYS,
+        }
     }
 
     /// The speed at which the selected motor is driven, with the sign of its side.

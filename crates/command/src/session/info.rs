@@ -85,7 +85,7 @@ pub fn check(opened: &mut Opened) -> Result<u8, Failure> {
 }
 
 /// Exit code 1 if something is missing or damaged. Times without a date are as they were written.
-pub(crate) fn exit_code(problems: &Problems) -> u8 {
+pub fn exit_code(problems: &Problems) -> u8 {
     let mut missing = problems
         .iter()
         .filter(|(problem, _)| *problem != Problem::NoDate);
@@ -99,7 +99,7 @@ fn iso(ns: u64) -> String {
 }
 
 /// A text of the file without control characters, which a terminal would execute.
-pub(crate) fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let harmless = text.chars().filter(|letter| !letter.is_control());
     harmless.take(600).collect()
 }

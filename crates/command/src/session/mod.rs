@@ -2,9 +2,11 @@
 
 pub mod arguments;
 mod export;
-mod file;
+pub mod file;
 mod info;
 mod runs;
+
+pub use info::{exit_code, one_line};
 
 use crate::failure::USAGE;
 use arguments::SessionAction;

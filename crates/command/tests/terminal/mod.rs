@@ -72,7 +72,8 @@ impl Terminal {
         self.keys.write_all(keys.as_bytes()).unwrap();
     }
 
-    /// Waits until this is shown behind what was expected before.
+    /// Waits until this is shown behind what was expected before. Of a full screen, only what has changed is shown: words
+    /// come without the spaces between them.
     pub fn expect(&mut self, text: &str) {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -82,7 +83,9 @@ impl Terminal {
                 self.read += at + text.len();
                 return;
             }
-            assert!(Instant::now() < until, "{text:?} is not shown: {new}");
+            let last = new.len().saturating_sub(2_000);
+            let last = String::from_utf8_lossy(&new.as_bytes()[last..]);
+            assert!(Instant::now() < until, "{text:?} is not shown: {last}");
             sleep(Duration::from_millis(20));
         }
     }
