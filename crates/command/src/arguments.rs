@@ -10,6 +10,7 @@ use motorlink_experiments::study::StudyKind;
 use motorlink_protocol::{AssignableId, Frame, family::Model};
 
 use crate::{
+    control::arguments::Control,
     experiment::arguments::{Property, RunHow, parameters_of},
     parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
     replay::arguments::Replay,
@@ -113,17 +114,7 @@ pub enum Action {
         drive: Drive,
     },
     /// Drive motors by keys, full screen: hold a key to run
-    Control {
-        /// Speed of the keys F and B in rpm
-        #[arg(long, default_value_t = 100, allow_hyphen_values = true, value_parser = clap::value_parser!(i32).range(-380..=380))]
-        rpm: i32,
-        /// How gently the motor itself speeds up, 0-255; more is gentler
-        #[arg(long, default_value_t = 3)]
-        accel: u8,
-        /// A key drives until another one, not only while it is held
-        #[arg(long)]
-        latch: bool,
-    },
+    Control(Control),
     /// Stop motors that turn: those of --id, or all that answer
     Stop,
     /// Say what is likely to be wrong with the line, and what to do about it

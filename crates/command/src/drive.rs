@@ -70,11 +70,7 @@ fn asked(drive: Drive) -> Result<(Setpoint, How, BusSettings, Consent), Failure>
             how,
         } => {
             let setpoint = amps_setpoint(value.or(amps).unwrap_or_default())?;
-            if needs_consent(setpoint) == Consent::HighCurrent && !high_current {
-                let text = format!("{setpoint} is above 6.1 A: add --high-current to allow it");
-                return Err(Failure::Usage(text));
-            }
-            (setpoint, how, needs_consent(setpoint))
+            (setpoint, how, consent_for(setpoint, high_current)?)
         }
         Drive::Position { value, deg, how } => {
             let setpoint = degrees_setpoint(value.or(deg).unwrap_or_default())?;
@@ -105,6 +101,19 @@ pub fn amps_setpoint(amps: f32) -> Result<Setpoint, Failure> {
         return Err(Failure::Usage("current: expected -8 to 8 A".to_owned()));
     }
     Ok(Setpoint::Current(CurrentTarget::from_amps(amps)))
+}
+
+/// What a setpoint needs, if `high_current` allows it.
+///
+/// # Errors
+/// It is not allowed.
+pub fn consent_for(setpoint: Setpoint, high_current: bool) -> Result<Consent, Failure> {
+    let consent = needs_consent(setpoint);
+    if consent == Consent::HighCurrent && !high_current {
+        let text = format!("{setpoint} is above 6.1 A: add --high-current to allow it");
+        return Err(Failure::Usage(text));
+    }
+    Ok(consent)
 }
 
 /// An angle.

@@ -42,7 +42,6 @@ use std::ffi::OsString;
 use clap::{Parser, error::ErrorKind};
 use motorlink_driver::Ender;
 use motorlink_experiments::study::StudyKind;
-use motorlink_protocol::Acceleration;
 
 /// What the Python package uses.
 pub mod library {
@@ -120,14 +119,7 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
         Action::Info { json } => info::run(&global, json, ender),
         Action::Monitor(how) => monitor::run(&global, &how, ender),
         Action::Drive { drive } => drive::run(&global, drive, ender),
-        Action::Control { rpm, accel, latch } => {
-            let how = control::How {
-                rpm,
-                acceleration: Acceleration::new(accel),
-                latches: latch,
-            };
-            control::run(&global, how, ender)
-        }
+        Action::Control(how) => control::run(&global, &how, ender),
         Action::Stop => stop::run(&global, ender),
         Action::Doctor(how) => doctor::run(&global, &how, ender),
         Action::SetId { new, yes } => set_id::run(&global, new, yes, ender),

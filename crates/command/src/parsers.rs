@@ -50,6 +50,12 @@ pub fn ramp(text: &str) -> Result<Ramp, String> {
         .ok_or_else(|| "expected 1 to 10000 rpm a second".to_owned())
 }
 
+pub fn amps(text: &str) -> Result<f32, String> {
+    let amps = text.trim().parse::<f32>().ok();
+    let amps = amps.filter(|amps| (-8.0..=8.0).contains(amps));
+    amps.ok_or_else(|| "expected -8 to 8 A".to_owned())
+}
+
 pub fn play_speed(text: &str) -> Result<PlaySpeed, String> {
     let factor = text.trim().parse::<f64>().ok();
     let factor = factor.filter(|factor| (0.1..=100.0).contains(factor));

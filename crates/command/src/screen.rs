@@ -54,17 +54,17 @@ pub struct Screen {
 
 /// What is around the motors.
 #[derive(Debug)]
-pub struct Around<'a> {
+pub struct Around {
     /// The first line.
     pub head: String,
     /// Its colour.
     pub colour: Color,
     /// Over the motors.
-    pub title: &'a str,
+    pub title: String,
     /// The places of motors with a mark.
     pub marked: Range<usize>,
     /// What the keys do.
-    pub keys: &'a str,
+    pub keys: String,
 }
 
 impl Screen {
@@ -115,7 +115,7 @@ impl Screen {
     }
 
     /// Draws the state of the line.
-    pub fn draw(&self, frame: &mut Frame<'_>, status: &Status, around: &Around<'_>) {
+    pub fn draw(&self, frame: &mut Frame<'_>, status: &Status, around: &Around) {
         let rows = u16::try_from(self.motors.len())
             .unwrap_or(16)
             .saturating_mul(2);
@@ -141,11 +141,14 @@ impl Screen {
             Paragraph::new(lines).block(Block::new().title("Events")),
             notices,
         );
-        frame.render_widget(Paragraph::new(around.keys).wrap(Wrap { trim: true }), keys);
+        frame.render_widget(
+            Paragraph::new(around.keys.as_str()).wrap(Wrap { trim: true }),
+            keys,
+        );
     }
 
-    fn draw_motors(&self, frame: &mut Frame<'_>, area: Rect, status: &Status, around: &Around<'_>) {
-        let block = Block::bordered().title(around.title);
+    fn draw_motors(&self, frame: &mut Frame<'_>, area: Rect, status: &Status, around: &Around) {
+        let block = Block::bordered().title(around.title.as_str());
         let inner = block.inner(area);
         frame.render_widget(block, area);
         let mut at = Rect { height: 1, ..inner };

@@ -34,8 +34,8 @@ pub fn start(
 pub fn adjust(
     motors: impl IntoIterator<Item = SignedId>,
     setpoint: Setpoint,
+    consent: Consent,
 ) -> Result<Command, GroupError> {
-    let consent = Consent::None;
     Ok(match entries(motors, setpoint).as_slice() {
         [(id, setpoint)] => Command::Adjust {
             id: *id,

@@ -3,7 +3,7 @@
 use std::{fmt::Display, time::Duration};
 
 use motorlink_bus::{Activity, FRESH_FOR, Mirror, MotorStatus};
-use motorlink_protocol::{Celsius, Current, Faults, Instant, family::Model};
+use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, family::Model};
 
 use crate::signed_id::SignedId;
 
@@ -30,7 +30,7 @@ impl Values {
         let current = motor.current.filter(|(at, _)| is_fresh(*at));
         let fine = motor.position.filter(|(at, _)| is_fresh(*at));
         let coarse = last.and_then(|sample| match sample.reply.detail {
-            motorlink_protocol::Detail::Query { position, .. } => Some(position.to_string()),
+            Detail::Query { position, .. } => Some(position.to_string()),
             _ => None,
         });
         let amps = |current: Current| {
@@ -79,6 +79,17 @@ impl Values {
 pub fn fresh_temperature(motor: &MotorStatus, now: Instant) -> Option<Celsius> {
     let (at, celsius) = motor.temperature?;
     (now.since(at) <= TEMPERATURE_FRESH_FOR).then_some(celsius)
+}
+
+/// Its angle in degrees, if a fresh reply has it.
+pub fn present_angle(motor: &MotorStatus, now: Instant) -> Option<f32> {
+    let is_fresh = |at: Instant| now.since(at) <= FRESH_FOR;
+    let fine = motor.position.filter(|(at, _)| is_fresh(*at));
+    let coarse = || match motor.last.filter(|last| is_fresh(last.at))?.reply.detail {
+        Detail::Query { position, .. } => Some(position.degrees()),
+        _ => None,
+    };
+    fine.map(|(_, angle)| angle.degrees()).or_else(coarse)
 }
 
 pub fn or_dash(value: Option<impl Display>) -> String {

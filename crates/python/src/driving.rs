@@ -49,7 +49,7 @@ pub fn drive(
     line.check(&ids)?;
     line.on(py, |connection| {
         let command = if adjusts && consent == Consent::None {
-            adjust(motors.iter().copied(), setpoint)
+            adjust(motors.iter().copied(), setpoint, consent)
         } else {
             start(motors.iter().copied(), setpoint, consent)
         };

@@ -4,20 +4,22 @@ use std::time::{Duration, Instant};
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
+use super::arguments::Loop;
+
 /// A terminal repeats a held key after half a second at the latest, and then some 30 times a second.
 const FIRST_REPEAT_MAX: Duration = Duration::from_millis(700);
 /// Five missed repeats.
 const REPEAT_MAX: Duration = Duration::from_millis(180);
-/// What an arrow adds, in rpm.
-const NUDGE_RPM: i32 = 10;
 
 /// What a key asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// Drive at this speed.
-    Drive(i32),
-    /// Change the speed by so much, if the motor is driven.
-    Nudge(i32),
+    /// Drive in the chosen loop.
+    Drive(Drive),
+    /// Change the setpoint by so many steps, if the motor is driven.
+    Nudge(i8),
+    /// Drive in this loop from now on. It starts nothing.
+    Choose(Loop),
     /// Brake, and keep braking.
     Brake,
     /// Stop the selected motors.
@@ -34,8 +36,17 @@ pub enum Asked {
     Quit,
 }
 
-/// What this key asks for; `preset` is the speed of F and B.
-pub fn asked(key: KeyEvent, preset: i32) -> Option<Asked> {
+/// A key that drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    Forward,
+    Backward,
+    /// One of the keys 1 to 5.
+    Preset(u8),
+}
+
+/// What this key asks for.
+pub fn asked(key: KeyEvent) -> Option<Asked> {
     if key.kind == KeyEventKind::Release {
         return None;
     }
@@ -44,14 +55,19 @@ pub fn asked(key: KeyEvent, preset: i32) -> Option<Asked> {
     }
     Some(match key.code {
         KeyCode::Char(' ') | KeyCode::Esc => Asked::StopAll,
-        KeyCode::Left => Asked::Nudge(-NUDGE_RPM),
-        KeyCode::Right => Asked::Nudge(NUDGE_RPM),
+        KeyCode::Left => Asked::Nudge(-1),
+        KeyCode::Right => Asked::Nudge(1),
         KeyCode::Up | KeyCode::BackTab => Asked::Select(-1),
         KeyCode::Down | KeyCode::Tab => Asked::Select(1),
         KeyCode::Char(letter) => match letter.to_ascii_lowercase() {
-            'f' => Asked::Drive(preset),
-            'b' => Asked::Drive(-preset),
-            digit @ '1'..='5' => Asked::Drive(50 * i32::try_from(digit.to_digit(10)?).ok()?),
+            'f' => Asked::Drive(Drive::Forward),
+            'b' => Asked::Drive(Drive::Backward),
+            digit @ '1'..='5' => {
+                Asked::Drive(Drive::Preset(u8::try_from(digit.to_digit(10)?).ok()?))
+            }
+            'v' => Asked::Choose(Loop::Velocity),
+            'c' => Asked::Choose(Loop::Current),
+            'p' => Asked::Choose(Loop::Position),
             's' => Asked::Stop,
             'k' => Asked::Brake,
             'r' => Asked::Release,
@@ -119,14 +135,17 @@ mod tests {
 
     #[test]
     fn the_keys_are_those_of_the_page() {
-        assert_eq!(asked(key(KeyCode::Char('F')), 80), Some(Asked::Drive(80)));
-        assert_eq!(asked(key(KeyCode::Char('b')), 80), Some(Asked::Drive(-80)));
-        assert_eq!(asked(key(KeyCode::Char('5')), 80), Some(Asked::Drive(250)));
-        assert_eq!(asked(key(KeyCode::Char(' ')), 80), Some(Asked::StopAll));
-        assert_eq!(asked(key(KeyCode::Esc), 80), Some(Asked::StopAll));
-        assert_eq!(asked(key(KeyCode::Char('6')), 80), None);
+        let drive = |drive| Some(Asked::Drive(drive));
+        assert_eq!(asked(key(KeyCode::Char('F'))), drive(Drive::Forward));
+        assert_eq!(asked(key(KeyCode::Char('b'))), drive(Drive::Backward));
+        assert_eq!(asked(key(KeyCode::Char('5'))), drive(Drive::Preset(5)));
+        let current = Some(Asked::Choose(Loop::Current));
+        assert_eq!(asked(key(KeyCode::Char('c'))), current);
+        assert_eq!(asked(key(KeyCode::Char(' '))), Some(Asked::StopAll));
+        assert_eq!(asked(key(KeyCode::Esc)), Some(Asked::StopAll));
+        assert_eq!(asked(key(KeyCode::Char('6'))), None);
         let interrupt = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
-        assert_eq!(asked(interrupt, 80), Some(Asked::Quit));
+        assert_eq!(asked(interrupt), Some(Asked::Quit));
     }
 
     #[test]

@@ -1,15 +1,17 @@
 //! `motorlink control`: drives motors by keys, full screen.
 
+pub mod arguments;
 mod keys;
+mod targets;
 
 use std::{
     ops::Range,
     time::{Duration, Instant},
 };
 
-use motorlink_bus::{Activity, Command, Consent, GroupError, StopReason};
+use motorlink_bus::{Activity, Command, Consent, GroupError, StopReason, needs_consent};
 use motorlink_driver::{Ender, Next, Status};
-use motorlink_protocol::{Acceleration, Setpoint, SpeedTarget};
+use motorlink_protocol::Setpoint;
 use ratatui::{
     DefaultTerminal,
     crossterm::event::{self, Event, KeyEventKind},
@@ -19,35 +21,32 @@ use ratatui::{
 use crate::{
     arguments::Global,
     connection::{Connection, on_line},
+    drive::{amps_setpoint, consent_for},
     failure::Failure,
     screen::{Around, Screen, on_full_screen},
     signed_id::SignedId,
     starting,
+    values::present_angle,
     watching::watch_found,
     words,
 };
-use keys::{Asked, Held};
+use arguments::{Control as Arguments, Loop};
+use keys::{Asked, Drive, Held};
+use targets::Targets;
 
 /// How often the screen is drawn.
 const DRAW: Duration = Duration::from_millis(100);
 /// How long a key is waited for before the entries of the driver are taken: it must hear from this program twice a second.
 const KEY_WAIT: Duration = Duration::from_millis(15);
 
-const KEYS: &str = "F/B forward, back  1-5 50-250 rpm  ←/→ ±10  S stop  K brake  Space stop all  R release  ↑/↓ motor  G group  Q quit";
-
-/// What `control` is given.
-#[derive(Clone, Copy, Debug)]
-pub struct How {
-    /// Speed of F and B in rpm.
-    pub rpm: i32,
-    /// How gently the motor speeds up.
-    pub acceleration: Acceleration,
-    /// Whether a key drives until another one, not only while it is held.
-    pub latches: bool,
-}
+/// What the keys do in every loop.
+const KEYS: &str =
+    "S stop  K brake  Space stop all  R release  V/C/P loop  ↑/↓ motor  G group  Q quit";
 
 /// Drives by keys until Q or Ctrl-C.
-pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
+pub fn run(global: &Global, how: &Arguments, ender: &Ender) -> Result<(), Failure> {
+    // The keys ask for the same current.
+    consent_for(amps_setpoint(how.amps)?, how.high_current)?;
     on_line(
         global,
         ender,
@@ -58,7 +57,9 @@ pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
             let mut control = Control {
                 screen: Screen::new(connection.motors.clone(), model),
                 connection,
-                how,
+                targets: Targets::new(how),
+                allows_high_current: how.high_current,
+                latches: how.latch,
                 held: Held::default(),
                 selected: 0,
                 is_group: false,
@@ -71,7 +72,10 @@ pub fn run(global: &Global, how: How, ender: &Ender) -> Result<(), Failure> {
 struct Control<'a> {
     connection: &'a Connection,
     screen: Screen,
-    how: How,
+    targets: Targets,
+    allows_high_current: bool,
+    /// Whether a key drives until another one, not only while it is held.
+    latches: bool,
     held: Held,
     /// The place of the selected motor.
     selected: usize,
@@ -87,7 +91,7 @@ impl Control<'_> {
                 return Ok(());
             }
             let now = Instant::now();
-            if self.held.is_let_go(now) && !self.how.latches {
+            if self.held.is_let_go(now) && !self.latches {
                 self.stop();
             }
             if now >= draw_at {
@@ -141,7 +145,7 @@ impl Control<'_> {
                 self.held.release(key.code, now);
                 continue;
             }
-            let Some(asked) = keys::asked(key, self.how.rpm) else {
+            let Some(asked) = keys::asked(key) else {
                 continue;
             };
             if asked == Asked::Quit {
@@ -153,9 +157,11 @@ impl Control<'_> {
                         self.obey(asked);
                     }
                 }
-                Asked::Nudge(_) => {
-                    self.held.press(key.code, now);
-                    self.obey(asked);
+                Asked::Nudge(by) => {
+                    // It holds what another key has started.
+                    if self.nudge(by) {
+                        self.held.press(key.code, now);
+                    }
                 }
                 _ => {
                     self.held.clear();
@@ -169,11 +175,20 @@ impl Control<'_> {
     fn obey(&mut self, asked: Asked) {
         let driver = &self.connection.driver;
         match asked {
-            Asked::Drive(rpm) => self.start(self.velocity(rpm)),
-            Asked::Nudge(by) => {
-                if let Some(rpm) = self.driven_at() {
-                    self.adjust(self.velocity(rpm + by));
+            Asked::Drive(key) => match self.targets.setpoint(key, self.angle()) {
+                Some(setpoint) => self.start(setpoint),
+                None if key == Drive::Forward => {
+                    let text = "not done: the angle is not known yet. Choose one by 1-4.";
+                    self.screen.notice(text.to_owned());
                 }
+                None => {}
+            },
+            Asked::Choose(chosen) => {
+                // What is driven in another loop would not be what the screen shows.
+                self.stop();
+                self.targets.chosen = chosen;
+                self.targets.forget_angle();
+                self.set_group(self.is_group);
             }
             Asked::Brake => self.start(Setpoint::Brake),
             Asked::Stop => self.stop(),
@@ -185,13 +200,39 @@ impl Control<'_> {
                 let count = self.screen.motors.len().max(1);
                 let step = if by < 0 { count - 1 } else { 1 };
                 self.selected = (self.selected + step) % count;
+                self.targets.forget_angle();
             }
             Asked::Group => {
                 self.stop();
-                self.is_group = !self.is_group && self.screen.motors.len() > 1;
+                self.set_group(!self.is_group);
             }
-            Asked::Quit => {}
+            // They are handled where the held key is known.
+            Asked::Nudge(_) | Asked::Quit => {}
         }
+    }
+
+    /// Drives all motors together from now on, or the selected one.
+    fn set_group(&mut self, is_group: bool) {
+        let is_allowed = self.targets.chosen == Loop::Velocity;
+        if is_group && !is_allowed {
+            // The bus starts a group in another loop only if each motor is in it already.
+            let text = "motors drive together in the velocity loop only: V chooses it.";
+            self.screen.notice(text.to_owned());
+        }
+        self.is_group = is_group && is_allowed && self.screen.motors.len() > 1;
+    }
+
+    /// Moves the setpoint of what is driven, or the next target. Returns whether it is driven.
+    fn nudge(&mut self, by: i8) -> bool {
+        let Some(driven) = self.driven_to() else {
+            self.targets.prepare(by, self.angle());
+            return false;
+        };
+        if let Some(setpoint) = self.targets.further(driven, by) {
+            let command = starting::adjust(self.selected(), setpoint, self.consent(setpoint));
+            self.give(command);
+        }
+        true
     }
 
     /// The places of the motors that the keys drive.
@@ -208,14 +249,14 @@ impl Control<'_> {
         chosen.unwrap_or_default().iter().copied()
     }
 
-    fn around(&self, status: &Status) -> Around<'static> {
+    fn around(&self, status: &Status) -> Around {
         let (head, colour) = if !status.is_open {
             ("The port is gone. Waiting for it.".to_owned(), Color::Red)
         } else if status.is_halted {
             ("STOPPED: all motors. R releases.".to_owned(), Color::Red)
         } else {
             let hertz = status.line.map_or(0, |line| line.exchanges_hz);
-            let keys = if self.how.latches {
+            let keys = if self.latches {
                 "keys latch"
             } else {
                 "hold a key to run"
@@ -224,47 +265,53 @@ impl Control<'_> {
             let text = format!("MotorLink  {model}  {hertz} exchanges a second  {keys}");
             (text, Color::Green)
         };
-        let title = if self.is_group {
-            " Motors, driven together "
+        let together = if self.is_group {
+            ", driven together"
         } else {
-            " Motors "
+            ""
         };
         Around {
             head,
             colour,
-            title,
+            title: format!(" Motors{together}: {} ", self.targets.describe()),
             marked: self.chosen(),
-            keys: KEYS,
+            keys: format!("{}  {KEYS}", self.targets.help()),
         }
     }
 
-    /// The speed at which the selected motor is driven, with the sign of its side.
-    fn driven_at(&self) -> Option<i32> {
-        let status: Status = self.connection.status().ok()?;
+    /// What the first selected motor is driven to, or will be once it stands in the loop. It has the sign of its side.
+    fn driven_to(&self) -> Option<Setpoint> {
         let signed = self.selected().next()?;
+        let status: Status = self.connection.status().ok()?;
         let motor = status.motor(signed.id)?;
-        match signed.mirror.activity(motor.activity) {
-            Activity::Driven {
-                setpoint: Setpoint::Velocity { speed, .. },
-            } => Some(speed.rpm().into()),
-            _ => None,
-        }
+        let setpoint = match motor.activity {
+            Activity::Driven { setpoint } => Some(setpoint),
+            _ => motor.waiting,
+        };
+        setpoint.map(|setpoint| signed.mirror.setpoint(setpoint))
     }
 
-    fn velocity(&self, rpm: i32) -> Setpoint {
-        Setpoint::Velocity {
-            speed: SpeedTarget::clamped(rpm),
-            acceleration: self.how.acceleration,
+    /// The present angle of the first selected motor, as a target of the position loop.
+    fn angle(&self) -> Option<f32> {
+        // Others count the target from where the loop was entered.
+        if self.screen.model.has_separate_frames() {
+            return Some(0.0);
+        }
+        let signed = self.selected().next()?;
+        let status = self.connection.status().ok()?;
+        present_angle(status.motor(signed.id)?, status.now)
+    }
+
+    fn consent(&self, setpoint: Setpoint) -> Consent {
+        if self.allows_high_current {
+            needs_consent(setpoint)
+        } else {
+            Consent::None
         }
     }
 
     fn start(&mut self, setpoint: Setpoint) {
-        let command = starting::start(self.selected(), setpoint, Consent::None);
-        self.give(command);
-    }
-
-    fn adjust(&mut self, setpoint: Setpoint) {
-        let command = starting::adjust(self.selected(), setpoint);
+        let command = starting::start(self.selected(), setpoint, self.consent(setpoint));
         self.give(command);
     }
 

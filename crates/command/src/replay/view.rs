@@ -229,7 +229,7 @@ impl View {
         }
     }
 
-    fn around(&self) -> Around<'static> {
+    fn around(&self) -> Around {
         let place_us = self.place_us();
         let (does, colour) = if self.is_unreadable {
             ("unreadable here", Color::Red)
@@ -251,9 +251,9 @@ impl View {
         Around {
             head: format!("{bar}  {place} / {to}  {speed}×  {does}  {name}  {model}"),
             colour,
-            title: " Recorded motors ",
+            title: " Recorded motors ".to_owned(),
             marked: 0..0,
-            keys: keys::HELP,
+            keys: keys::HELP.to_owned(),
         }
     }
 }
