@@ -110,6 +110,12 @@ impl VirtualMotors {
                 when_silent: self.when_silent,
                 ambient_c: self.temperature.unwrap_or(plain.ambient_c),
                 set_id_frames: self.set_id_frames,
+                // A real wheel does not stand at exactly 0: there the odometry reply is the query, as an echo is.
+                angle_deg: if model.has_separate_frames() {
+                    30.0
+                } else {
+                    plain.angle_deg
+                },
                 ..plain
             }
         };
