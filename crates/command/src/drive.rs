@@ -15,11 +15,14 @@ use crate::{
     arguments::{Drive, Global, How},
     connection::{Connection, Happened, is_not_done, most_serious},
     failure::Failure,
+    group_switch::GroupSwitch,
     signed_id::SignedId,
     starting,
     values::Values,
 };
 
+/// How long an entry is waited for.
+const STEP: Duration = Duration::from_millis(20);
 /// How often the line of a terminal is drawn.
 const DRAW: Duration = Duration::from_millis(100);
 
@@ -33,6 +36,9 @@ pub fn run(global: &Global, drive: Drive, ender: &Ender) -> Result<(), Failure> 
     let driven = connection.wait_for_motors().and_then(|()| {
         if let Some(file) = &how.record {
             connection.record(Some(file))?;
+        }
+        if let Some(mut switch) = GroupSwitch::of(&connection.motors, setpoint) {
+            while !switch.step(&connection, STEP)? {}
         }
         let motors = connection.motors.iter().copied();
         let command = starting::start(motors, setpoint, consent).map_err(usage)?;

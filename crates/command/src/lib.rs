@@ -11,6 +11,7 @@ mod doctor;
 mod drive;
 mod experiment;
 mod failure;
+mod group_switch;
 mod info;
 mod manual;
 mod monitor;
@@ -51,6 +52,7 @@ pub mod library {
         drive::{amps_setpoint, degrees_setpoint, ends_drive, rpm_setpoint},
         experiment::{assign, file_study},
         failure::Failure,
+        group_switch::GroupSwitch,
         recording::unix_ms,
         scan::scan,
         set_id::{change as change_id, only_motor},

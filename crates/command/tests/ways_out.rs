@@ -223,3 +223,21 @@ fn a_recorded_drive_is_a_session_with_its_replies_and_its_stop() {
     let log = bench.run(&format!("session export {file} --format report"));
     assert!(log.out.contains("stands, confirmed"), "{log:?}");
 }
+
+#[test]
+fn a_group_is_switched_to_its_loop_and_driven_in_it() {
+    let bench = Bench::new(&["--ids", "1,2"]);
+    let file = bench.file("group.mcap");
+    let drive = format!("--id 1,-2 drive current 0.1 --secs 1 --record {file}");
+    let said = bench.run(&drive);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let rows = bench
+        .run(&format!("session export {file} --format telemetry"))
+        .out;
+    for motor in [",1,Current,", ",2,Current,"] {
+        let rows = rows.lines().filter(|row| row.contains(motor)).count();
+        assert!(rows > 10, "{rows} rows with {motor}");
+    }
+    let turned = |line: &&str| line.contains(",2,Current,-1");
+    assert!(rows.lines().any(|row| turned(&row)), "{rows}");
+}

@@ -6,7 +6,7 @@ use std::{
 };
 
 use motorlink_bus::{Activity, Command, Consent, StopReason, needs_consent};
-use motorlink_command::library::{Connection, Failure, SignedId, adjust, start};
+use motorlink_command::library::{Connection, Failure, GroupSwitch, SignedId, adjust, start};
 use motorlink_protocol::{MotorId, Setpoint};
 use pyo3::prelude::*;
 
@@ -47,6 +47,12 @@ pub fn drive(
     })?;
     // What ended the drive before is told first.
     line.check(&ids)?;
+    let switch = GroupSwitch::of(motors, setpoint).filter(|_| !adjusts);
+    if let Some(mut switch) = switch {
+        while !line.on(py, |connection| switch.step(connection, STEP))? {
+            py.check_signals()?;
+        }
+    }
     line.on(py, |connection| {
         let command = if adjusts && consent == Consent::None {
             adjust(motors.iter().copied(), setpoint, consent)

@@ -94,6 +94,19 @@ class OnVirtualMotors(unittest.TestCase):
             wheel.drive(amps=0.3)
             self.assertEqual(next(wheel.readings(1)).mode, "current loop")
 
+    def test_a_turning_group_is_stopped_and_switched_to_another_loop(self):
+        with motorlink.virtual(ids=[1, 2]) as bus:
+            pair = bus.group(1, -2)
+            pair.drive(rpm=60)
+            bus.sleep(0.5)
+            pair.drive(amps=0.1)
+            readings = {reading.motor: reading for reading in pair.readings(0.3)}
+            self.assertEqual({reading.mode for reading in readings.values()}, {"current loop"})
+            pair.drive(degrees=90)
+            bus.sleep(2)
+            readings = {reading.motor: reading for reading in pair.readings(0.3)}
+            self.assertAlmostEqual(readings[1].angle_deg, 90, delta=2)
+
     def test_values_out_of_range_say_what_is_allowed_and_drive_nothing(self):
         with motorlink.virtual() as bus:
             wheel = bus.motor(1)
