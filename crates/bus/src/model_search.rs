@@ -37,6 +37,8 @@ impl Bus {
 #[derive(Clone, Debug)]
 pub struct ModelSearch {
     tried: Vec<Model>,
+    /// By replies.
+    shown: Vec<Model>,
     next: Option<Model>,
 }
 
@@ -46,6 +48,7 @@ impl ModelSearch {
     pub const fn from(first: Model) -> Self {
         Self {
             tried: Vec::new(),
+            shown: Vec::new(),
             next: Some(first),
         }
     }
@@ -64,9 +67,13 @@ impl ModelSearch {
             let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
             !self.tried.iter().any(same_baud)
         };
+        // Noise may show another model too: each that was shown is tried twice before the search ends.
+        self.shown.extend(other);
+        let tries = |model: &Model| self.tried.iter().filter(|tried| *tried == model).count();
         // At a baud that was tried, only a model that a reply has shown: the stop of another one could turn the wheel.
         self.next = other
-            .filter(|model| !self.tried.contains(model))
+            .or_else(|| self.shown.iter().copied().find(|model| tries(model) < 2))
+            .filter(|model| tries(model) < 2)
             .or_else(|| of_either_baud.into_iter().find(untried));
     }
 }
@@ -93,14 +100,33 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_replies_show_is_tried_next_and_once() {
+    fn a_model_that_replies_show_is_tried_next_and_at_most_twice() {
         let both_show_the_other = [
             (Model::Ddsm115, Model::Ddsm210),
             (Model::Ddsm210, Model::Ddsm115),
         ];
         assert_eq!(
             tried(Model::Ddsm115, &both_show_the_other),
-            [Model::Ddsm115, Model::Ddsm210, Model::Ddsm400]
+            [
+                Model::Ddsm115,
+                Model::Ddsm210,
+                Model::Ddsm115,
+                Model::Ddsm210,
+                Model::Ddsm400
+            ]
         );
+    }
+    #[test]
+    fn noise_on_the_right_model_does_not_rule_it_out() {
+        let mut search = ModelSearch::from(Model::Ddsm115);
+        let shown = [Some(Model::Ddsm210), Some(Model::Ddsm400), None];
+        let tried = shown.map(|other| {
+            let model = search.next_model();
+            search.not_found(other);
+            model
+        });
+        let in_turn = [Model::Ddsm115, Model::Ddsm210, Model::Ddsm400];
+        assert_eq!(tried, in_turn.map(Some));
+        assert_eq!(search.next_model(), Some(Model::Ddsm210));
     }
 }
