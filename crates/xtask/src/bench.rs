@@ -8,6 +8,7 @@ use anyhow::{Result, bail};
 use crate::browser::{self, Browser};
 use crate::cargo;
 use crate::failure::refusal_of_flags;
+use crate::other_command;
 use crate::other_hosts;
 use crate::process;
 use crate::site;
@@ -69,7 +70,7 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 11] = [
     "start",
     "figures",
     "instruments",
@@ -80,6 +81,7 @@ const PARTS: [&str; 10] = [
     "session",
     "recordings",
     "driver",
+    "commands",
 ];
 
 /// The document with the measured figures.
@@ -97,6 +99,13 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
             build_programs(workspace)?;
             return alone(workspace, &mut driver(workspace));
         }
+        [part] if part == "commands" => {
+            build_programs(workspace)?;
+            let mut rows = Rows::default();
+            let compared = compare_commands(workspace, &mut rows);
+            rows.write_into(&workspace.root().join(TABLE), "bench")?;
+            return compared;
+        }
         _ => {}
     }
     let (browser, dist) = prepare(workspace)?;
@@ -110,6 +119,10 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
         .into_iter()
         .filter(|part| only.is_none_or(|only| only == *part))
     {
+        if part == "commands" {
+            failed = failed.and(compare_commands(workspace, &mut rows));
+            continue;
+        }
         let mut command = match part {
             "scans" => full_scans(workspace),
             "stops" => stops(workspace),
@@ -159,6 +172,13 @@ fn driver(workspace: &Workspace) -> Command {
     let mut figures = example(workspace, "motorlink-command", "driver_figures");
     figures.env("MOTORLINK_COMMAND", motorlink(&built));
     figures
+}
+
+/// Runs the lines of another command for the same motor with ours and with that one.
+fn compare_commands(workspace: &Workspace, rows: &mut Rows) -> Result<()> {
+    let ours = motorlink(&workspace.target().join(PROFILE));
+    let folder = workspace.target().join("other-command");
+    other_command::compare(&ours, &folder, rows)
 }
 
 /// Runs an example of a crate, optimised.

@@ -19,6 +19,7 @@ mod lines;
 mod minify;
 mod mutants;
 mod npm;
+mod other_command;
 mod other_hosts;
 mod page_tests;
 mod parts;
