@@ -8,7 +8,7 @@ use motorlink_simulator::{VirtualMotor, World};
 
 use super::{
     rule::{DriverRule, Outcome, STANDS_WITHIN, broken},
-    rules::{LineState, Rules, is_driven, is_moved, is_named, must_be_named},
+    rules::{Disk, LineState, Rules, is_driven, is_moved, is_named, must_be_named},
 };
 
 /// A motor that was silent during its stop is asked at least so often.
@@ -72,8 +72,7 @@ impl Rules {
         }
         if must_be_named(motor) && !self.forgotten.contains(&id) {
             self.judge(DriverRule::IsRemembered);
-            let may_be_missing = self.disk_is_full && self.is_told_of_disk;
-            if !may_be_missing && !is_named(file, id) {
+            if self.disk != Disk::FullAndTold && !is_named(file, id) {
                 let what = format!(
                     "{id} turns at {} rpm by {:?}",
                     motor.speed_rpm(),

@@ -32,6 +32,16 @@ pub(super) enum LineState {
     Lost,
 }
 
+/// Whether the last write was taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Disk {
+    #[default]
+    Takes,
+    Full,
+    /// The program was told.
+    FullAndTold,
+}
+
 /// What the rules know of the process and its motors.
 #[derive(Debug, Default)]
 pub(super) struct Rules {
@@ -41,6 +51,8 @@ pub(super) struct Rules {
     /// When that ended for the others; at the start of the process for those that are not here.
     pub(super) let_go: BTreeMap<MotorId, Instant>,
     pub(super) started: Instant,
+    /// Whether the program has stopped all motors and not released them since: nothing that it asks for is driven.
+    pub(super) is_halted: bool,
     /// Motors that must stand: the rule, and since when.
     pub(super) must_stand: BTreeMap<MotorId, (DriverRule, Instant)>,
     /// Those of them that the program may drive before they stand: it was told that they were not seen to stand.
@@ -52,8 +64,7 @@ pub(super) struct Rules {
     pub(super) last_stop: Instant,
     /// Motors that turn and are in no file, as the disk was full.
     pub(super) forgotten: BTreeSet<MotorId>,
-    pub(super) disk_is_full: bool,
-    pub(super) is_told_of_disk: bool,
+    pub(super) disk: Disk,
     pub(super) line: LineState,
     pub(super) lost: Option<Instant>,
     pub(super) ends: Option<Instant>,
@@ -73,6 +84,7 @@ impl Rules {
     pub(super) fn starts(&mut self, now: Instant, world: &World, file: &[u8]) -> Outcome {
         self.is_gone(now);
         self.let_go.clear();
+        self.is_halted = false;
         self.started = now;
         self.line = LineState::Opening;
         for motor in world.motors() {
@@ -81,15 +93,14 @@ impl Rules {
             } else if is_named(file, motor.id()) {
                 self.must_stand
                     .insert(motor.id(), (DriverRule::LeftIsStopped, now));
-            } else if self.disk_is_full {
+            } else if self.disk != Disk::Takes {
                 self.forgotten.insert(motor.id());
             } else if must_be_named(motor) && !self.forgotten.contains(&motor.id()) {
                 let what = format!("{} is in no file after its process", motor.id());
                 return broken(DriverRule::IsRemembered, now, what);
             }
         }
-        self.disk_is_full = false;
-        self.is_told_of_disk = false;
+        self.disk = Disk::Takes;
         Ok(())
     }
 
@@ -143,7 +154,9 @@ impl Rules {
                 self.last_stop = now;
                 self.lets_go(now, id, DriverRule::StopsInTime);
             }
+            Command::Release => self.is_halted = false,
             Command::StopAll(_) => {
+                self.is_halted = true;
                 self.last_stop = now;
                 self.lets_all_go(now, world, DriverRule::StopsInTime);
             }
@@ -152,6 +165,9 @@ impl Rules {
     }
 
     fn asks(&mut self, id: MotorId) {
+        if self.is_halted {
+            return;
+        }
         self.asked.insert(id);
         let is_stop = matches!(self.must_stand.get(&id), Some((DriverRule::StopsInTime, _)));
         if is_stop || self.may_be_driven.remove(&id) {
@@ -233,8 +249,11 @@ impl Rules {
 
     /// The driver writes the file.
     pub(super) fn writes(&mut self, is_written: bool) {
-        self.disk_is_full = !is_written;
-        self.is_told_of_disk &= !is_written;
+        self.disk = match self.disk {
+            _ if is_written => Disk::Takes,
+            Disk::Takes => Disk::Full,
+            full => full,
+        };
     }
 
     /// The driver tells the program something.
@@ -246,7 +265,7 @@ impl Rules {
         port_is_there: bool,
     ) -> Outcome {
         match entry {
-            Entry::NotRemembered => self.is_told_of_disk = true,
+            Entry::NotRemembered => self.disk = Disk::FullAndTold,
             Entry::PortLost { driven } => {
                 self.line = LineState::Lost;
                 if self.lost.take().is_some() {
