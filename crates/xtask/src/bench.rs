@@ -227,8 +227,16 @@ pub fn add_simulation(cargo: &mut Command) {
     cargo.args(["--package", "motorlink-fault-simulation", "--"]);
 }
 
-/// Makes the README's moving picture and the screenshots.
+/// Makes the README's moving picture and the screenshots, or the pictures of the command on a terminal.
 pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
+    if matches!(args, [what] if what == "terminal") {
+        build_programs(workspace)?;
+        let built = workspace.target().join(PROFILE);
+        let mut pictures = example(workspace, "motorlink-command", "terminal_pictures");
+        pictures.env("MOTORLINK_COMMAND", motorlink(&built));
+        let folder = workspace.root().join("docs/terminal");
+        return process::run(pictures.arg("--").arg(folder));
+    }
     let (browser, _) = prepare(workspace)?;
     let mut program = program_of_bench(workspace, &browser, "screenshots", args);
     process::run(&mut program).map_err(refusal_of_flags)

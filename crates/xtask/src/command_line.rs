@@ -99,7 +99,7 @@ pub enum Command {
     /// Count the product code of src and of each crate: lines without tests, blanks and comments
     Lines,
     /// Make screenshots of every screen, window, theme and language in `target/screenshots`; `docs` and `public`
-    /// renew the README's moving picture and the installer's pictures
+    /// renew the README's moving picture and the installer's pictures, `terminal` those of the command
     Screenshots {
         /// Arguments of the program that makes them
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

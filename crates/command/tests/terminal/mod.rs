@@ -72,12 +72,17 @@ impl Terminal {
         self.keys.write_all(keys.as_bytes()).unwrap();
     }
 
+    /// All that was shown so far, with the codes of the terminal.
+    pub fn shown(&self) -> String {
+        self.shown.lock().unwrap().clone()
+    }
+
     /// Waits until this is shown behind what was expected before. Of a full screen, only what has changed is shown: words
     /// come without the spaces between them.
     pub fn expect(&mut self, text: &str) {
         let until = Instant::now() + PATIENCE;
         loop {
-            let shown = self.shown.lock().unwrap().clone();
+            let shown = self.shown();
             let new = &shown[self.read..];
             if let Some(at) = new.find(text) {
                 self.read += at + text.len();
