@@ -37,8 +37,8 @@ impl Bus {
 #[derive(Clone, Debug)]
 pub struct ModelSearch {
     tried: Vec<Model>,
-    /// By replies.
-    shown: Vec<Model>,
+    /// The first that replies have shown.
+    shown: Option<Model>,
     next: Option<Model>,
 }
 
@@ -48,7 +48,7 @@ impl ModelSearch {
     pub const fn from(first: Model) -> Self {
         Self {
             tried: Vec::new(),
-            shown: Vec::new(),
+            shown: None,
             next: Some(first),
         }
     }
@@ -67,12 +67,12 @@ impl ModelSearch {
             let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
             !self.tried.iter().any(same_baud)
         };
-        // Noise may show another model too: each that was shown is tried twice before the search ends.
-        self.shown.extend(other);
+        // Noise may show another model too: one that was shown is tried twice before the search ends.
+        self.shown = self.shown.or(other);
         let tries = |model: &Model| self.tried.iter().filter(|tried| *tried == model).count();
         // At a baud that was tried, only a model that a reply has shown: the stop of another one could turn the wheel.
         self.next = other
-            .or_else(|| self.shown.iter().copied().find(|model| tries(model) < 2))
+            .or(self.shown)
             .filter(|model| tries(model) < 2)
             .or_else(|| of_either_baud.into_iter().find(untried));
     }

@@ -299,6 +299,7 @@ impl Attempt<'_> {
             generation = close_trial(shared, self.lost).await;
         }
         let choice = shared.borrow().model;
+        let mut last = (choice.model, LeftMotors::Leave);
         let mut search = ModelSearch::from(left_model.unwrap_or(choice.model));
         while choice.detect
             && let Some(model) = search.next_model()
@@ -310,26 +311,27 @@ impl Attempt<'_> {
                 Err(error) => return Ok(Err(error)),
                 Ok(opened) => generation = opened.generation,
             }
-            let other = match detected_model(shared, generation).await? {
-                Some(DetectedModel::Own) => {
-                    shared.borrow_mut().model.model = model;
-                    if left_model.is_some_and(|left| left.is_like(model)) {
-                        // What was left driven did not answer before, and may now.
-                        generation = close_trial(shared, self.lost).await;
-                        let find = LeftMotors::Find;
-                        return self.open_one(generation, candidate, model, find).await;
-                    }
+            let detected = detected_model(shared, generation).await?;
+            if detected == Some(DetectedModel::Own) {
+                shared.borrow_mut().model.model = model;
+                if left_model.is_none_or(|left| !left.is_like(model)) {
                     let left = LeftOnTrial::None;
                     return Ok(Ok(Opened { generation, left }));
                 }
-                Some(DetectedModel::Other(model)) => Some(model),
-                None => None,
-            };
-            search.not_found(other);
+            }
             generation = close_trial(shared, self.lost).await;
+            match detected {
+                Some(DetectedModel::Own) => {
+                    // What was left driven did not answer before, and may now.
+                    last = (model, LeftMotors::Find);
+                    break;
+                }
+                Some(DetectedModel::Other(model)) => search.not_found(Some(model)),
+                None => search.not_found(None),
+            }
         }
-        self.open_one(generation, candidate, choice.model, LeftMotors::Leave)
-            .await
+        let (model, how) = last;
+        self.open_one(generation, candidate, model, how).await
     }
 
     /// Claims the adapter, and learns what workers that have ended left driven on it. Returns false if other tabs have it.

@@ -2,6 +2,7 @@
 //! JavaScript glue.
 
 use std::collections::BTreeMap;
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,12 +50,30 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
     if profile == Profile::Release {
         // In parts, and with one language: the others are files of their own.
         cargo.args(["--no-default-features", "--features", "motorlink/parts"]);
+        // A panic names its file. Without the folder of the registry it takes less, and is the same on every machine.
+        for sources in registry_sources()? {
+            let short = format!("--remap-path-prefix={}/=", sources.display());
+            let flags = format!("target.{WASM_TARGET}.rustflags=[{short:?}]");
+            cargo.args(["--config", &flags]);
+        }
     }
     process::run(cargo.args(["--profile", profile.cargo_name()]))?;
     PROGRAMS
         .into_iter()
         .map(|name| Ok((name, bind(workspace, profile, name, &tools.bindgen)?)))
         .collect()
+}
+
+/// The folders in which cargo keeps the sources of dependencies.
+fn registry_sources() -> Result<Vec<PathBuf>> {
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| Some(dirs::home_dir()?.join(".cargo")));
+    let folder = home.map(|home| home.join("registry/src"));
+    let Some(folder) = folder.filter(|folder| folder.is_dir()) else {
+        return Ok(Vec::new());
+    };
+    let entries = fs::read_dir(folder)?;
+    entries.map(|entry| Ok(entry?.path())).collect()
 }
 
 fn bind(workspace: &Workspace, profile: Profile, name: &str, bindgen: &Path) -> Result<Module> {
