@@ -86,8 +86,9 @@ pub enum Command {
         consent: Consent,
     },
     /// Drive several motors as a group until the next command. With speeds, all stop first if one of them is in another
-    /// loop, or is being stopped, and none is driven before each stop is confirmed. In another loop, all must be in it.
-    /// Any stop of one of them ends this, and so does a group start that is refused.
+    /// loop, or is being stopped, and none is driven before each stop is confirmed. For other setpoints each motor must be
+    /// in their loop already, or the start is refused. Any stop of one of them ends this, and so does a group start that
+    /// is refused.
     StartGroup {
         /// Each motor with its setpoint.
         setpoints: GroupSetpoints,

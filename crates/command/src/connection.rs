@@ -157,6 +157,17 @@ impl Connection {
         }
     }
 
+    /// Whether Ctrl-C or a signal has ended the program.
+    ///
+    /// # Errors
+    /// It has.
+    pub fn check_not_ended(&self) -> Result<(), Failure> {
+        if self.ender.is_asked() {
+            return Err(Failure::Interrupted);
+        }
+        Ok(())
+    }
+
     /// The state of the line now.
     ///
     /// # Errors

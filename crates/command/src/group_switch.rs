@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use motorlink_bus::{Activity, Command, Event};
+use motorlink_bus::{Activity, Command, Event, MotorStatus};
 use motorlink_driver::Entry;
 use motorlink_protocol::{Mode, MotorId, Setpoint};
 
@@ -16,14 +16,25 @@ use crate::{
 /// How long it may take: a stop, and five switches with a reply to each.
 const SWITCHED_MAX: Duration = Duration::from_secs(7);
 
-/// The switch of the motors of a group, which stops what is driven in another loop. It drives nothing.
+/// The switch of the motors of a group: what is driven in another loop, or turns, is stopped first. It drives nothing.
 pub struct GroupSwitch {
     motors: Vec<MotorId>,
     to: Mode,
-    is_asked: bool,
-    /// Stops of its own that have not begun yet. Any other one ends it.
-    own_stops: u32,
+    /// How far it is.
+    stage: Stage,
+    /// Stops that have begun so far, with its own. One more is that of a person, or of a motor: it ends the start.
+    stops: Option<u64>,
     until: Instant,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Nothing was asked for yet.
+    First,
+    /// The motors are being stopped.
+    Stops,
+    /// They are being switched.
+    Switches,
 }
 
 impl GroupSwitch {
@@ -35,8 +46,8 @@ impl GroupSwitch {
         (motors.len() > 1 && to != Mode::Velocity).then(|| Self {
             motors: motors.iter().map(|motor| motor.id).collect(),
             to,
-            is_asked: false,
-            own_stops: 0,
+            stage: Stage::First,
+            stops: None,
             until: Instant::now() + SWITCHED_MAX,
         })
     }
@@ -44,70 +55,84 @@ impl GroupSwitch {
     /// Goes on, and takes an entry within this time. Returns whether all motors are in the loop.
     ///
     /// # Errors
-    /// A motor does not stop or switch in time, or a person's stop has ended it.
+    /// A motor does not stop or switch in time, another stop has ended it, or the program ends.
     pub fn step(&mut self, connection: &Connection, within: Duration) -> Result<bool, Failure> {
         let status = connection.status()?;
-        let mut all_stand = true;
-        let mut is_underway = false;
-        let mut to_switch = Vec::new();
-        // One stop stops all of a group.
-        let mut to_stop = None;
-        for id in &self.motors {
-            let motor = status.motor(*id);
-            let is_in_it = motor
-                .and_then(|motor| motor.last)
-                .is_some_and(|last| last.reply.mode == self.to);
-            match motor.map(|motor| motor.activity) {
-                Some(Activity::Idle) if is_in_it => {}
-                Some(Activity::Idle) => to_switch.push(*id),
-                Some(Activity::Driven { setpoint }) if setpoint.mode() == self.to => {}
-                Some(Activity::Driven { .. } | Activity::DrivenRaw) => {
-                    all_stand = false;
-                    to_stop.get_or_insert(*id);
-                }
-                Some(Activity::Switching { .. } | Activity::Stopping { .. }) | None => {
-                    all_stand = false;
-                    is_underway = true;
-                }
-            }
+        // Whoever takes the entries, the status has every stop.
+        let stops = *self.stops.get_or_insert(status.stops_begun);
+        if status.stops_begun > stops {
+            connection.check_not_ended()?;
+            return Err(not_done("a stop has ended the start"));
         }
-        if to_switch.is_empty() && all_stand {
+        let motors = self.motors.iter().filter_map(|id| status.motor(*id));
+        let is_in_it = |motor: &MotorStatus| motor.last.is_some_and(|it| it.reply.mode == self.to);
+        let is_driven_in_it = |motor: &MotorStatus| matches!(motor.activity, Activity::Driven { setpoint } if setpoint.mode() == self.to);
+        let is_underway = |motor: &MotorStatus| {
+            matches!(
+                motor.activity,
+                Activity::Stopping { .. } | Activity::Switching { .. }
+            )
+        };
+        // Its stop may have begun a moment after the status.
+        let waits = self.stage == Stage::Stops && status.stops_begun < stops;
+        if waits || motors.clone().any(is_underway) {
+            return self.wait(connection, within);
+        }
+        let may_turn = |motor: &&MotorStatus| {
+            let turns = motor.may_turn || motor.turns_unasked || motor.activity != Activity::Idle;
+            turns && !is_driven_in_it(motor)
+        };
+        if let Some(motor) = motors.clone().find(may_turn) {
+            if self.stage != Stage::First {
+                let text = format!("motor {} did not confirm that it stands", motor.id);
+                return Err(Failure::NotDone(text));
+            }
+            self.stage = Stage::Stops;
+            for motor in motors.filter(may_turn) {
+                self.stops = self.stops.map(|stops| stops + 1);
+                connection.driver.command(Command::Stop(motor.id));
+            }
+            return self.wait(connection, within);
+        }
+        let mode = self.to;
+        let mut others = motors.filter(|motor| !is_in_it(motor) && !is_driven_in_it(motor));
+        let to_switch: Vec<MotorId> = others.by_ref().map(|motor| motor.id).collect();
+        if to_switch.is_empty() {
             return Ok(true);
         }
-        if let Some(id) = to_stop.filter(|_| !is_underway && self.own_stops == 0) {
-            self.own_stops += 1;
-            connection.driver.command(Command::Stop(id));
-        }
-        if all_stand && !self.is_asked {
-            self.is_asked = true;
-            let mode = self.to;
+        if self.stage != Stage::Switches {
+            self.stage = Stage::Switches;
             for id in to_switch {
                 connection.driver.command(Command::SwitchMode { id, mode });
             }
         }
+        self.wait(connection, within)
+    }
+
+    fn wait(&self, connection: &Connection, within: Duration) -> Result<bool, Failure> {
         if Instant::now() > self.until {
             let text = format!("the motors did not switch to the {} in time", self.to);
             return Err(Failure::NotDone(text));
         }
         match connection.next_within(within)? {
-            Happened::Entry(_, entry) if self.ends(&entry) => {
+            Happened::Entry(_, entry) if ends(&entry) => {
                 let text = words::of_entry(&entry);
-                let text = text.unwrap_or_else(|| "a stop has ended the start".to_owned());
-                Err(Failure::NotDone(text))
+                Err(not_done(
+                    text.as_deref().unwrap_or("the motors were not switched"),
+                ))
             }
             Happened::Entry(..) | Happened::Nothing => Ok(false),
         }
     }
+}
 
-    fn ends(&mut self, entry: &Entry) -> bool {
-        match entry {
-            Entry::Event(Event::StopBegan(_)) if self.own_stops > 0 => {
-                self.own_stops -= 1;
-                false
-            }
-            Entry::Event(Event::StopBegan(_) | Event::ModeSwitchFailed { .. })
-            | Entry::PortLost { .. } => true,
-            entry => is_not_done(entry),
-        }
-    }
+fn ends(entry: &Entry) -> bool {
+    matches!(
+        entry,
+        Entry::Event(Event::ModeSwitchFailed { .. }) | Entry::PortLost { .. }
+    ) || is_not_done(entry)
+}
+
+fn not_done(text: &str) -> Failure {
+    Failure::NotDone(text.to_owned())
 }

@@ -43,6 +43,8 @@ pub struct Status {
     pub is_open: bool,
     /// Whether Stop all motors is in force.
     pub is_halted: bool,
+    /// How many stops have begun, whoever asked for them.
+    pub stops_begun: u64,
     /// Every watched motor.
     pub motors: Vec<MotorStatus>,
     /// The scan or ID change that runs.

@@ -63,6 +63,8 @@ pub(crate) struct Owner<C> {
     pub(crate) number: u32,
     /// When a lost port is looked for next.
     pub(crate) look_at: Instant,
+    /// How many stops have begun.
+    stops_begun: u64,
     /// The stop that was the last to end.
     pub(crate) last_stop: Option<StopReport>,
     #[cfg(test)]
@@ -85,6 +87,7 @@ impl<C: Computer> Owner<C> {
             stage: Stage::OnTrial,
             number: 0,
             look_at: Instant::ZERO,
+            stops_begun: 0,
             last_stop: None,
             #[cfg(test)]
             fails_next: false,
@@ -154,6 +157,9 @@ impl<C: Computer> Owner<C> {
         // The bus stops all motors by itself after a silence of the program or a sleep of the computer.
         self.is_halted |= host.bus.is_halted();
         for entry in entries {
+            if let Entry::Event(Event::StopBegan(_)) = &entry {
+                self.stops_begun += 1;
+            }
             if let Entry::Event(Event::StopEnded(report)) = &entry {
                 if let Stage::Ending { has_stopped } = &mut self.stage {
                     // Whatever stop it was: one that begins meanwhile joins that of the end.
@@ -278,6 +284,7 @@ impl<C: Computer> Owner<C> {
             now,
             is_open: bus.is_some(),
             is_halted: self.is_halted,
+            stops_begun: self.stops_begun,
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
             job: bus.and_then(motorlink_bus::Bus::job),
             raw: bus.and_then(motorlink_bus::Bus::raw),

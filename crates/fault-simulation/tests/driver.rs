@@ -10,7 +10,7 @@ use motorlink_fault_simulation::{
 use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_simulator::WhenSilent;
 
-/// `cargo xtask reliability seeds` plays many times as many.
+/// `cargo xtask reliability driver` plays many times as many.
 const SEEDS: u64 = 1_000;
 /// Each rule has something to judge, and each act happens, at least so often.
 const EACH: u64 = 5;
@@ -71,7 +71,7 @@ fn left_driven_behind_a_stalled_port(
     }
 }
 
-/// The rules find these wheels: each turned on for good, though its motor answered again.
+/// Each of these wheels kept turning for ever, though its motor answered again.
 #[test]
 fn what_was_left_driven_and_answers_late_is_stopped() {
     let like = [Some(Model::Ddsm115), Some(Model::Ddsm315)];

@@ -49,9 +49,19 @@ pub fn drive(
     line.check(&ids)?;
     let switch = GroupSwitch::of(motors, setpoint).filter(|_| !adjusts);
     if let Some(mut switch) = switch {
-        while !line.on(py, |connection| switch.step(connection, STEP))? {
-            py.check_signals()?;
+        let switched = loop {
+            match line.on(py, |connection| switch.step(connection, STEP)) {
+                Ok(false) => py.check_signals()?,
+                other => break other,
+            }
+        };
+        if switched.is_err() {
+            // It is told once.
+            let _ = locked(&line.news).take_trouble(&ids);
+            return switched.map(drop);
         }
+        // What was heard meanwhile starts nothing.
+        line.check(&ids)?;
     }
     line.on(py, |connection| {
         let command = if adjusts && consent == Consent::None {
@@ -64,12 +74,15 @@ pub fn drive(
         // Its refusal is there when the status is.
         connection.status().map(drop)
     })?;
-    line.pump(py, Duration::ZERO)?;
-    line.check(&ids)?;
-    if adjusts {
-        return Ok(());
-    }
-    let started = until_driven(line, py, &ids, is_driven);
+    let started = line
+        .pump(py, Duration::ZERO)
+        .and_then(|()| line.check(&ids))
+        .and_then(|()| {
+            if adjusts {
+                return Ok(());
+            }
+            until_driven(line, py, &ids, is_driven)
+        });
     if started.is_err() {
         // What was asked for is not started later.
         for id in &ids {

@@ -107,6 +107,29 @@ class OnVirtualMotors(unittest.TestCase):
             readings = {reading.motor: reading for reading in pair.readings(0.3)}
             self.assertAlmostEqual(readings[1].angle_deg, 90, delta=2)
 
+    def test_a_stop_of_another_thread_ends_the_switch_of_a_group(self):
+        with motorlink.virtual(ids=[1, 2], keepalive=False) as bus:
+            pair = bus.group(1, -2)
+            pair.drive(rpm=60)
+            bus.sleep(0.5)
+            raised = []
+
+            def drive():
+                try:
+                    pair.drive(amps=0.1)
+                except motorlink.NotDone as error:
+                    raised.append(str(error))
+
+            thread = threading.Thread(target=drive)
+            thread.start()
+            time.sleep(0.1)
+            bus.motor(1).stop()
+            thread.join()
+            self.assertEqual(len(raised), 1, raised)
+            bus.sleep(0.5)
+            speeds = [abs(reading.speed_rpm) for reading in pair.readings(0.3)]
+            self.assertLess(max(speeds), 1)
+
     def test_values_out_of_range_say_what_is_allowed_and_drive_nothing(self):
         with motorlink.virtual() as bus:
             wheel = bus.motor(1)

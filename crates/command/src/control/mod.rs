@@ -152,11 +152,15 @@ impl Control<'_> {
                 return Ok(true);
             }
             match asked {
+                // A key without a setpoint in this loop holds nothing.
+                Asked::Drive(drive) if !self.targets.have(drive) => {}
                 Asked::Drive(_) => {
                     if self.held.press(key.code, now) {
                         self.obey(asked);
                     }
                 }
+                // It stops nothing: a key that is held goes on to hold.
+                Asked::Release => self.obey(asked),
                 Asked::Nudge(by) => {
                     // It holds what another key has started.
                     if self.nudge(by) {
@@ -222,17 +226,18 @@ impl Control<'_> {
         self.is_group = is_group && is_allowed && self.screen.motors.len() > 1;
     }
 
-    /// Moves the setpoint of what is driven, or the next target. Returns whether it is driven.
+    /// Moves the setpoint of what is driven, or the next target. Returns whether it has moved what is driven.
     fn nudge(&mut self, by: i8) -> bool {
         let Some(driven) = self.driven_to() else {
             self.targets.prepare(by, self.angle());
             return false;
         };
-        if let Some(setpoint) = self.targets.further(driven, by) {
+        let further = self.targets.further(driven, by);
+        if let Some(setpoint) = further {
             let command = starting::adjust(self.selected(), setpoint, self.consent(setpoint));
             self.give(command);
         }
-        true
+        further.is_some()
     }
 
     /// The places of the motors that the keys drive.

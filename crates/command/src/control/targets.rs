@@ -59,6 +59,12 @@ impl Targets {
         })
     }
 
+    /// Whether this key drives in the chosen loop.
+    pub const fn have(&self, key: Drive) -> bool {
+        let is_angle = matches!(key, Drive::Forward | Drive::Preset(1..=4));
+        is_angle || !matches!(self.chosen, Loop::Position)
+    }
+
     /// The next setpoint of a motor that is driven to this one: `by` steps further.
     pub fn further(&mut self, driven: Setpoint, by: i8) -> Option<Setpoint> {
         Some(match driven {

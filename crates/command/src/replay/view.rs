@@ -167,6 +167,7 @@ impl View {
         self.status = Some(Status {
             now: update.now,
             is_open: true,
+            stops_begun: 0,
             is_halted: update.halted,
             motors: update.motors,
             job: update.job,

@@ -77,7 +77,11 @@ impl Line<'_> {
             self.global,
             self.ender,
             |options| {
+                // The ID query of the opening is for a motor alone: several would answer at once.
                 options.watch.clear();
+                if plugged_in.len() > 1 {
+                    options.watch.extend(plugged_in);
+                }
                 if let Place::Virtual(line) = &mut options.place
                     && !plugged_in.is_empty()
                 {

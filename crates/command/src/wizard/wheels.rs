@@ -84,8 +84,13 @@ fn ask_for_wheel(
     known: &[Wheel],
 ) -> Result<Option<Wheel>, Failure> {
     let name = loop {
-        say(format_args!("\nMotor {id} turns."));
-        turn(line, id, plugged_in)?;
+        if !turn(line, id, plugged_in)? {
+            let question = format!("Motor {id} did not turn. Enter: try again, -: leave it out: ");
+            if line.ask(&question)? == "-" {
+                return Ok(None);
+            }
+            continue;
+        }
         let name = ask_name(line, known)?;
         if !name.is_empty() {
             break name;
@@ -125,9 +130,10 @@ fn ask_name(line: Line<'_>, known: &[Wheel]) -> Result<String, Failure> {
     }
 }
 
-/// Turns a wheel for a second. The end of the line stops it, and says whether it stands.
-fn turn(line: Line<'_>, id: MotorId, plugged_in: &[MotorId]) -> Result<(), Failure> {
+/// Turns a wheel for a second. The end of the line stops it, and says whether it stands. Returns whether it has turned.
+fn turn(line: Line<'_>, id: MotorId, plugged_in: &[MotorId]) -> Result<bool, Failure> {
     let setpoint = rpm_setpoint(SPIN_RPM, 0)?;
+    let mut has_turned = false;
     line.open(plugged_in, |connection: &mut Connection| {
         connection.driver.command(Command::Watch(id));
         connection.motors.push(SignedId::straight(id));
@@ -135,8 +141,12 @@ fn turn(line: Line<'_>, id: MotorId, plugged_in: &[MotorId]) -> Result<(), Failu
             let motors = connection.motors.iter().copied();
             let command = start(motors, setpoint, Consent::None);
             let command = command.map_err(|error| Failure::NotDone(error.to_string()))?;
+            say(format_args!("\nMotor {id} turns."));
             connection.driver.command(command);
-            hold(connection, Some(SPIN))
+            hold(connection, Some(SPIN))?;
+            has_turned = true;
+            Ok(())
         }))
-    })
+    })?;
+    Ok(has_turned)
 }

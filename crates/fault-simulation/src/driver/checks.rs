@@ -131,8 +131,14 @@ impl Rules {
         world: &World,
         was_open: bool,
     ) -> Outcome {
-        let Some(ends) = self.ends.take().filter(|_| was_open) else {
+        if ending.has_failed && self.failures == 0 {
+            return broken(DriverRule::EndingIsTrue, now, "it failed by itself");
+        }
+        if !was_open {
             return Ok(());
+        }
+        let Some(ends) = self.ends.take() else {
+            return broken(DriverRule::EndingIsTrue, now, "nobody has ended it");
         };
         self.judge(DriverRule::EndsInTime);
         for motor in world.motors() {

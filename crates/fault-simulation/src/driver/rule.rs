@@ -22,7 +22,7 @@ pub enum DriverRule {
     SilentProgramIsStopped,
     /// The motors of a driver that fails stand in time.
     FailureStops,
-    /// A driver that ends names every motor that may turn.
+    /// A driver ends only if it is asked to, and names every motor that may turn.
     EndingIsTrue,
     /// On a good port a driver ends with every motor at rest, and says so.
     EndsAtRest,

@@ -139,15 +139,10 @@ impl Rules {
     /// The program gives a command.
     pub(super) fn command(&mut self, now: Instant, command: Command, world: &World) {
         match command {
-            Command::Start { id, .. }
-            | Command::Drive { id, .. }
-            | Command::Adjust { id, .. }
-            | Command::Hold(id) => self.asks(id),
-            Command::StartGroup { .. }
-            | Command::DriveGroup { .. }
-            | Command::AdjustGroup { .. } => {
-                for motor in world.motors() {
-                    self.asks(motor.id());
+            Command::Start { id, .. } | Command::Drive { id, .. } => self.asks(id),
+            Command::StartGroup { setpoints, .. } | Command::DriveGroup { setpoints, .. } => {
+                for (id, _) in setpoints.entries() {
+                    self.asks(id);
                 }
             }
             Command::Stop(id) => {
