@@ -81,7 +81,9 @@ impl Held {
     fn before() -> Self {
         let mut held = Self::default();
         let is_on_page = |target: &Element| target.is_connected() && target.tag_name() != "BODY";
-        if let Some(target) = last_target().filter(is_on_page) {
+        // A Tab may have led to a control, and nothing was pressed there yet.
+        let target = last_target().or_else(|| document().active_element());
+        if let Some(target) = target.filter(is_on_page) {
             held.entered(target);
         }
         held
