@@ -11,7 +11,7 @@ use super::{
 };
 
 /// Calls of a driver whose process is killed, until it must have ended.
-const CALLS_AFTER_KILL: u32 = 100_000;
+const CALLS_AFTER_KILL: u32 = 5_000;
 
 impl Machine {
     fn unplug(&mut self, time: Duration) {
