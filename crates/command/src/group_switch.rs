@@ -58,7 +58,7 @@ impl GroupSwitch {
     /// A motor does not stop or switch in time, another stop has ended it, or the program ends.
     pub fn step(&mut self, connection: &Connection, within: Duration) -> Result<bool, Failure> {
         let status = connection.status()?;
-        // Whoever takes the entries, the status has every stop.
+        // Another thread may have taken the entry of a stop. The status counts every stop.
         let stops = *self.stops.get_or_insert(status.stops_begun);
         if status.stops_begun > stops {
             connection.check_not_ended()?;

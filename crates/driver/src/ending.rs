@@ -13,7 +13,8 @@ use crate::{
 };
 
 impl<C: Computer> Owner<C> {
-    /// Whether a motor is to be stopped. Nothing can be stopped while the port is lost: the next driver does it.
+    /// Whether a motor must be stopped before the port is closed. While the port is lost, no motor can be stopped: the next
+    /// driver does it.
     pub(crate) fn needs_stop(&mut self) -> bool {
         let now = self.computer.now();
         self.host

@@ -43,7 +43,7 @@ pub struct Status {
     pub is_open: bool,
     /// Whether Stop all motors is in force.
     pub is_halted: bool,
-    /// How many stops have begun, whoever asked for them.
+    /// How many stops have begun, for any reason.
     pub stops_begun: u64,
     /// Every watched motor.
     pub motors: Vec<MotorStatus>,

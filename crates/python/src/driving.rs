@@ -83,7 +83,8 @@ pub fn drive(
             }
             until_driven(line, py, &ids, is_driven)
         });
-    if started.is_err() {
+    // A refused change of the setpoint leaves the drive as it was.
+    if started.is_err() && !adjusts {
         // What was asked for is not started later.
         for id in &ids {
             line.commander.command(Command::Stop(*id));

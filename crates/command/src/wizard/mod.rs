@@ -1,6 +1,6 @@
 //! `motorlink wizard`: gives the motors of a rover their IDs, one after the other, and finds out which wheel each is.
 //!
-//! Each step opens the line anew: another motor may be of another model, and between the steps wires are plugged.
+//! Each step opens the port again: the next motor may be of another model, and wires are plugged between the steps.
 
 pub mod arguments;
 mod check;

@@ -25,7 +25,7 @@ pub enum Act {
     ProgramSilent(Duration),
     /// The adapter is unplugged for so long. The system may give its port another name then.
     Unplug(Duration),
-    /// Whoever opens the port within this time is refused.
+    /// The system refuses to open the port for so long.
     PortRefuses(Duration),
     /// The port takes and gives nothing for so long.
     PortStalls(Duration),
