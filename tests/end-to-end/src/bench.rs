@@ -133,8 +133,7 @@ impl Bench {
             };
             // After a crash Chromium may assign the new tab to the process that is ending. On a busy machine it
             // sometimes does not report that a page was loaded. A second tab works.
-            tab.blocking()
-                .wait("a tab to close", tab.tab().clone().close())?;
+            self.equipment.chromium.close(tab.target())?;
             wait_max = WAIT_MAX;
             Ok(Err(format!("{error:#}")))
         })
@@ -190,7 +189,7 @@ impl Bench {
     /// Stops debugging a page, which cannot be used after that.
     pub(crate) fn detach(&self, page: &Page) -> Result<()> {
         self.is_reusable.set(false);
-        self.equipment.chromium.detach(page.session.tab())
+        page.session.detach()
     }
 
     pub(crate) fn downloads(&self) -> PathBuf {

@@ -1,135 +1,287 @@
-//! The `DevTools` protocol by method name and JSON.
-//!
-//! chromiumoxide has a type for every command, but its replies are closed enums of the protocol at its release: one
-//! new accessibility property of a newer Chromium makes the reply unreadable. So commands with needed replies use
-//! this module.
+//! The `DevTools` protocol by method name and JSON, over the pipe of a Chromium that this program has started.
 
-use std::future::Future;
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{ChildStdin, ChildStdout};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow};
-use chromiumoxide::types::{Command, Method, MethodId};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tokio::runtime::Runtime;
-use tokio::time::timeout;
 
-use crate::wait::WAIT_MAX;
+use crate::wait::{WAIT_MAX, wait_until};
 
-/// Any command of the protocol.
-#[derive(Debug, Clone)]
-struct AnyCommand {
-    method: &'static str,
+/// Gets method and parameters of each event of a session.
+type Listener = Box<dyn Fn(&str, &Value) + Send>;
+
+/// The connection to one browser.
+pub struct Connection {
+    commands: Mutex<ChildStdin>,
+    heard: Arc<Mutex<Heard>>,
+}
+
+/// A call of a method.
+#[derive(Serialize)]
+struct Command<'a> {
+    id: u64,
+    method: &'a str,
     params: Value,
+    #[serde(rename = "sessionId", skip_serializing_if = "Option::is_none")]
+    session: Option<&'a str>,
 }
 
-impl Serialize for AnyCommand {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.params.serialize(serializer)
-    }
+/// The reply to a call, or an event.
+#[derive(Deserialize)]
+struct Message {
+    /// Of the call; an event has none.
+    id: Option<u64>,
+    #[serde(default)]
+    result: Value,
+    error: Option<Refusal>,
+    /// Of an event.
+    method: Option<String>,
+    #[serde(default)]
+    params: Value,
+    #[serde(rename = "sessionId")]
+    session: Option<String>,
 }
 
-impl Method for AnyCommand {
-    fn identifier(&self) -> MethodId {
-        self.method.into()
-    }
+#[derive(Deserialize)]
+struct Refusal {
+    message: String,
 }
 
-impl Command for AnyCommand {
-    type Response = Value;
+/// Who waits for what from the browser.
+#[derive(Default)]
+struct Heard {
+    has_ended: bool,
+    calls: u64,
+    /// Calls without a reply.
+    waiting: HashMap<u64, Sender<Message>>,
+    listeners: Vec<(String, Listener)>,
 }
 
-/// Runs requests to Chromium and blocks until they end.
-#[derive(Clone)]
-pub struct Blocking(Arc<Runtime>);
-
-impl Blocking {
-    /// One thread for the connection; the waiting thread does the rest.
-    pub fn new() -> Result<Self> {
-        let runtime = tokio::runtime::Builder::new_multi_thread()
-            .worker_threads(1)
-            .enable_all()
-            .build()
-            .context("no thread to talk to Chromium")?;
-        Ok(Self(Arc::new(runtime)))
+impl Connection {
+    /// Reads what the browser says from now on.
+    pub fn new(commands: ChildStdin, messages: ChildStdout) -> Self {
+        let heard = Arc::<Mutex<Heard>>::default();
+        let reading = Arc::clone(&heard);
+        thread::spawn(move || {
+            for message in BufReader::new(messages).split(0).map_while(Result::ok) {
+                if let Ok(message) = serde_json::from_slice(&message) {
+                    lock(&reading).take(message);
+                }
+            }
+            lock(&reading).end();
+        });
+        Self {
+            commands: Mutex::new(commands),
+            heard,
+        }
     }
 
-    /// Waits for `future`, at most for [`WAIT_MAX`].
-    pub fn wait<T, E>(&self, what: &str, future: impl Future<Output = Result<T, E>>) -> Result<T>
-    where
-        E: std::error::Error + Send + Sync + 'static,
-    {
-        self.wait_for(what, WAIT_MAX, future)
-    }
-
-    /// Waits for `future`, at most for `wait_max`.
-    pub fn wait_for<T, E>(
+    /// Calls a method of the browser, or of one session, and returns its result.
+    pub fn call(
         &self,
-        what: &str,
+        session: Option<&str>,
         wait_max: Duration,
-        future: impl Future<Output = Result<T, E>>,
-    ) -> Result<T>
-    where
-        E: std::error::Error + Send + Sync + 'static,
-    {
-        self.0
-            .block_on(async { timeout(wait_max, future).await })
-            .map_err(|_| anyhow!("no answer from Chromium to {what} in {wait_max:?}"))?
-            .with_context(|| format!("Chromium refused {what}"))
+        method: &str,
+        params: Value,
+    ) -> Result<Value> {
+        let (answer, answered) = mpsc::channel();
+        let id = lock(&self.heard)
+            .expect(answer)
+            .with_context(|| format!("the browser has ended before {method}"))?;
+        let mut command = serde_json::to_vec(&Command {
+            id,
+            method,
+            params,
+            session,
+        })?;
+        command.push(0);
+        lock(&self.commands)
+            .write_all(&command)
+            .with_context(|| format!("the browser does not take {method}"))?;
+        let reply = answered.recv_timeout(wait_max).map_err(|why| match why {
+            RecvTimeoutError::Timeout => {
+                lock(&self.heard).waiting.remove(&id);
+                anyhow!("no answer from Chromium to {method} in {wait_max:?}")
+            }
+            RecvTimeoutError::Disconnected => anyhow!("the browser has ended during {method}"),
+        })?;
+        match reply.error {
+            Some(refusal) => Err(anyhow!("Chromium refused {method}: {}", refusal.message)),
+            None => Ok(reply.result),
+        }
     }
 
-    /// Waits for a `future` that has its own timeout.
-    pub fn wait_plain<T>(&self, future: impl Future<Output = T>) -> T {
-        self.0.block_on(future)
-    }
-
-    /// Runs `future` in the background.
-    pub fn spawn(&self, future: impl Future<Output = ()> + Send + 'static) {
-        self.0.spawn(future);
+    fn listen(&self, session: &str, listener: impl Fn(&str, &Value) + Send + 'static) {
+        let listener = (session.to_owned(), Box::new(listener) as Listener);
+        lock(&self.heard).listeners.push(listener);
     }
 }
 
-/// One tab's connection.
+impl Heard {
+    /// The number of a new call.
+    fn expect(&mut self, answer: Sender<Message>) -> Option<u64> {
+        self.calls += 1;
+        (!self.has_ended).then(|| {
+            self.waiting.insert(self.calls, answer);
+            self.calls
+        })
+    }
+
+    fn take(&mut self, message: Message) {
+        if let Some(id) = message.id {
+            if let Some(waiting) = self.waiting.remove(&id) {
+                // The caller may have stopped waiting in this moment.
+                let _ = waiting.send(message);
+            }
+            return;
+        }
+        let (Some(method), params) = (message.method, message.params) else {
+            return;
+        };
+        if method == "Target.detachedFromTarget" {
+            let gone = at(&params, "/sessionId");
+            self.listeners.retain(|(of, _)| gone != of);
+        }
+        let session = message.session.as_ref();
+        for (_, listener) in self.listeners.iter().filter(|(of, _)| session == Some(of)) {
+            listener(&method, &params);
+        }
+    }
+
+    /// Every call that waits fails.
+    fn end(&mut self) {
+        self.has_ended = true;
+        self.waiting.clear();
+    }
+}
+
+/// The session of one tab or worker.
 #[derive(Clone)]
 pub struct Session {
-    blocking: Blocking,
-    tab: chromiumoxide::Page,
+    connection: Arc<Connection>,
+    id: String,
+    target: String,
+    /// The loader of the last document that was loaded in this tab.
+    loaded: Arc<Mutex<String>>,
 }
 
 impl Session {
-    /// A connection to this tab.
-    pub fn new(blocking: Blocking, tab: chromiumoxide::Page) -> Self {
-        Self { blocking, tab }
+    /// Attaches to a target of the browser.
+    fn attach(connection: Arc<Connection>, target: &str) -> Result<Self> {
+        let params = json!({ "targetId": target, "flatten": true });
+        let attached = connection.call(None, WAIT_MAX, "Target.attachToTarget", params)?;
+        Ok(Self {
+            id: text_at(&attached, "/sessionId")?,
+            target: target.to_owned(),
+            connection,
+            loaded: Arc::default(),
+        })
     }
 
-    /// The runtime for the futures of [`Session::tab`].
-    pub fn blocking(&self) -> &Blocking {
-        &self.blocking
+    /// A new empty tab, in front of all others.
+    pub fn new_tab(connection: Arc<Connection>) -> Result<Self> {
+        let blank = json!({ "url": "about:blank" });
+        let created = connection.call(None, WAIT_MAX, "Target.createTarget", blank)?;
+        let tab = Self::attach(connection, &text_at(&created, "/targetId")?)?;
+        let (main_frame, loaded) = (tab.target.clone(), Arc::clone(&tab.loaded));
+        tab.listen(move |method, event| {
+            let is_loaded = method == "Page.lifecycleEvent"
+                && at(event, "/name") == "load"
+                && at(event, "/frameId") == &main_frame;
+            if let (true, Some(loader)) = (is_loaded, at(event, "/loaderId").as_str()) {
+                loader.clone_into(&mut lock(&loaded));
+            }
+        });
+        // Performance measures from the start of a page.
+        for domain in ["Page", "Performance"] {
+            tab.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        tab.call("Page.setLifecycleEventsEnabled", json!({ "enabled": true }))?;
+        // A worker that is first attached to while its script loads never answers.
+        let workers = json!({
+            "autoAttach": true,
+            "waitForDebuggerOnStart": false,
+            "flatten": true,
+            "filter": [{ "type": "service_worker", "exclude": true }, {}],
+        });
+        tab.call("Target.setAutoAttach", workers)?;
+        Ok(tab)
     }
 
-    /// The tab, for functions of chromiumoxide itself.
-    pub fn tab(&self) -> &chromiumoxide::Page {
-        &self.tab
+    /// Attaches to another target of the same browser.
+    pub fn attach_to(&self, target: &str) -> Result<Self> {
+        Self::attach(Arc::clone(&self.connection), target)
+    }
+
+    /// Ends the session; the target runs on.
+    pub fn detach(&self) -> Result<()> {
+        let params = json!({ "sessionId": self.id });
+        self.connection
+            .call(None, WAIT_MAX, "Target.detachFromTarget", params)
+            .map(drop)
+    }
+
+    /// The ID of its tab or worker.
+    pub fn target(&self) -> &str {
+        &self.target
+    }
+
+    /// Calls `listener` with the method and the parameters of each event from now on.
+    pub fn listen(&self, listener: impl Fn(&str, &Value) + Send + 'static) {
+        self.connection.listen(&self.id, listener);
+    }
+
+    /// Loads a page into the tab.
+    pub fn load(&self, wait_max: Duration, url: &str) -> Result<()> {
+        let navigated = self.call_within(wait_max, "Page.navigate", json!({ "url": url }))?;
+        if let Some(error) = at(&navigated, "/errorText").as_str() {
+            return Err(anyhow!("{url} does not load: {error}"));
+        }
+        // A link within the document loads nothing.
+        let Some(loader) = at(&navigated, "/loaderId").as_str() else {
+            return Ok(());
+        };
+        self.wait_until_loaded(wait_max, url, |loaded| loaded == loader)
+    }
+
+    /// Loads the tab's page again.
+    pub fn reload(&self) -> Result<()> {
+        let before = lock(&self.loaded).clone();
+        self.call("Page.reload", json!({}))?;
+        self.wait_until_loaded(WAIT_MAX, "the page again", |loaded| loaded != before)
+    }
+
+    fn wait_until_loaded(
+        &self,
+        wait_max: Duration,
+        what: &str,
+        is_loaded: impl Fn(&str) -> bool,
+    ) -> Result<()> {
+        wait_until(&format!("{what} to load"), wait_max, || {
+            Ok(if is_loaded(&lock(&self.loaded)) {
+                Ok(())
+            } else {
+                Err("it loads".to_owned())
+            })
+        })
     }
 
     /// Calls a method and returns its result.
-    pub fn call(&self, method: &'static str, params: Value) -> Result<Value> {
+    pub fn call(&self, method: &str, params: Value) -> Result<Value> {
         self.call_within(WAIT_MAX, method, params)
     }
 
     /// Calls a method and returns its result, with a timeout.
-    pub fn call_within(
-        &self,
-        wait_max: Duration,
-        method: &'static str,
-        params: Value,
-    ) -> Result<Value> {
-        let command = AnyCommand { method, params };
-        let reply = self
-            .blocking
-            .wait_for(method, wait_max, self.tab.execute(command))?;
-        Ok(reply.result)
+    pub fn call_within(&self, wait_max: Duration, method: &str, params: Value) -> Result<Value> {
+        self.connection
+            .call(Some(&self.id), wait_max, method, params)
     }
 
     /// The value of a JavaScript expression in the page; a promise is awaited.
@@ -166,10 +318,21 @@ pub fn at<'a>(reply: &'a Value, pointer: &str) -> &'a Value {
     reply.pointer(pointer).unwrap_or(&Value::Null)
 }
 
+/// The text at a JSON pointer.
+fn text_at(reply: &Value, pointer: &str) -> Result<String> {
+    let text = at(reply, pointer).as_str();
+    text.map(str::to_owned)
+        .with_context(|| format!("no {pointer} in {reply}"))
+}
+
 fn value_of(reply: &Value) -> Result<Value> {
     if let Some(thrown) = reply.get("exceptionDetails") {
         let description = at(thrown, "/exception/description").as_str();
         return Err(anyhow!("{}", description.unwrap_or(&thrown.to_string())));
     }
     Ok(at(reply, "/result/value").clone())
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }

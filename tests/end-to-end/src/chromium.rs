@@ -1,29 +1,31 @@
 //! Chromium, headless and unmodified but for the preloaded library.
 
-use std::path::Path;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 use std::time::Duration;
-use std::{fs, io};
 
-use anyhow::{Context, Result, anyhow};
-use chromiumoxide::browser::{Browser, BrowserConfig};
-use chromiumoxide::cdp::browser_protocol::browser::{
-    SetDownloadBehaviorBehavior, SetDownloadBehaviorParams,
-};
-use chromiumoxide::cdp::browser_protocol::target::{
-    CloseTargetParams, CreateTargetParams, DetachFromTargetParams, TargetId,
-};
-use futures::StreamExt;
+use anyhow::{Context, Result};
 use serde_json::{Map, Value, json};
 
 use crate::adapter::Usb;
 use crate::artefacts;
-use crate::cdp::{Blocking, Session};
+use crate::cdp::{Connection, Session, at};
 use crate::retry::retry;
 use crate::wait::{WAIT_MAX, wait_until};
 
+/// Chromium reads the protocol from file 3 and writes it to file 4; Rust only passes on files 0 to 2.
+const WITH_PIPE: &str = r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >&2"#;
+
 /// The flags of a browser without background activity. The usual flags against throttling are missing, because this
 /// bench measures how a hidden page is throttled.
-const FLAGS: [&str; 13] = [
+const FLAGS: [&str; 18] = [
+    "headless=new",
+    "remote-debugging-pipe",
+    "window-size=1440,900",
+    "hide-scrollbars",
+    "disable-extensions",
     "disable-gpu",
     "no-first-run",
     "no-default-browser-check",
@@ -45,13 +47,10 @@ const FLAGS: [&str; 13] = [
 /// Maximal time for the browser to exit, which takes about 0.1 s.
 const END_MAX: Duration = Duration::from_secs(5);
 
-/// A running browser; killed when dropped.
+/// A running browser; ended when dropped.
 pub struct Chromium {
-    // The browser must be dropped before the thread that ends it.
-    browser: Browser,
-    blocking: Blocking,
-    /// The ID of the browser's first process.
-    pub process_id: u32,
+    process: Child,
+    connection: Arc<Connection>,
 }
 
 impl Chromium {
@@ -59,96 +58,86 @@ impl Chromium {
     /// use the permitted ones, and saves files in `downloads`.
     pub fn start(profile: &Path, udev_dir: &Path, downloads: &Path, origin: &str) -> Result<Self> {
         permit_serial(profile, origin)?;
-        let shim = artefacts::udev_shim()?;
-        let blocking = Blocking::new()?;
-        let mut config = BrowserConfig::builder()
-            .chrome_executable(artefacts::chromium()?)
-            .new_headless_mode()
-            .disable_default_args()
-            .args(FLAGS)
-            .user_data_dir(profile)
-            .window_size(1440, 900)
-            .viewport(None)
-            .launch_timeout(WAIT_MAX)
-            .env("LD_PRELOAD", shim.to_string_lossy())
-            .env("MOTORLINK_UDEV_DIR", udev_dir.to_string_lossy());
-        if rustix::process::geteuid().is_root() {
-            config = config.no_sandbox();
-        }
-        let config = config.build().map_err(|error| anyhow!(error))?;
         // The browser crashed with a segmentation fault in one of many hundred starts.
-        let (mut browser, mut connection) = retry("start Chromium", 2, || {
-            let launched = blocking.wait("start", Browser::launch(config.clone()));
-            Ok(launched.map_err(|error| format!("{error:#}")))
+        let chromium = retry("start Chromium", 2, || {
+            let started = Self::launch(profile, udev_dir)?;
+            Ok(started.answer().map_err(|error| {
+                let said = fs::read_to_string(messages_file(profile)).unwrap_or_default();
+                format!("{error:#}; it said: {said}")
+            }))
         })?;
-        blocking.spawn(async move {
-            // chromiumoxide reports an unknown event as an error; it is harmless here.
-            while connection.next().await.is_some() {}
-        });
-        let downloading = SetDownloadBehaviorParams {
-            download_path: Some(downloads.to_string_lossy().into_owned()),
-            ..SetDownloadBehaviorParams::new(SetDownloadBehaviorBehavior::Allow)
-        };
-        blocking.wait("a place for files", browser.execute(downloading))?;
-        let process = browser.get_mut_child();
-        let process_id = process.and_then(|process| process.inner.id());
+        let downloading = json!({ "behavior": "allow", "downloadPath": downloads });
+        chromium.call("Browser.setDownloadBehavior", downloading)?;
+        Ok(chromium)
+    }
+
+    fn launch(profile: &Path, udev_dir: &Path) -> Result<Self> {
+        let mut shell = Command::new("sh");
+        shell
+            .args(["-c", WITH_PIPE])
+            .arg(artefacts::chromium()?)
+            .args(FLAGS.map(|flag| format!("--{flag}")))
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .env("LD_PRELOAD", artefacts::udev_shim()?)
+            .env("MOTORLINK_UDEV_DIR", udev_dir)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(File::create(messages_file(profile))?);
+        if rustix::process::geteuid().is_root() {
+            shell.arg("--no-sandbox");
+        }
+        let mut process = shell.spawn().context("no shell that starts Chromium")?;
+        let commands = process.stdin.take().context("no pipe to Chromium")?;
+        let messages = process.stdout.take().context("no pipe from Chromium")?;
         Ok(Self {
-            browser,
-            blocking,
-            process_id: process_id.context("the browser has ended")?,
+            process,
+            connection: Arc::new(Connection::new(commands, messages)),
         })
+    }
+
+    /// Itself, as soon as it answers.
+    fn answer(self) -> Result<Self> {
+        self.call("Browser.getVersion", json!({}))?;
+        Ok(self)
+    }
+
+    fn call(&self, method: &str, params: Value) -> Result<Value> {
+        self.connection.call(None, WAIT_MAX, method, params)
     }
 
     /// A new empty tab, in front of all others.
     pub fn new_tab(&self) -> Result<Session> {
-        let blank = CreateTargetParams::new("about:blank");
-        let tab = self
-            .blocking
-            .wait("a new tab", self.browser.new_page(blank))?;
-        Ok(Session::new(self.blocking.clone(), tab))
-    }
-
-    /// Detaches the debugger from a tab.
-    pub fn detach(&self, tab: &chromiumoxide::Page) -> Result<()> {
-        let params = DetachFromTargetParams::builder()
-            .session_id(tab.session_id().clone())
-            .build();
-        self.blocking
-            .wait("to be left alone", self.browser.execute(params))
-            .map(drop)
+        Session::new_tab(Arc::clone(&self.connection))
     }
 
     /// Kills it at once: nothing of it can act any more.
     pub fn kill(&mut self) -> Result<()> {
-        let Self {
-            browser, blocking, ..
-        } = self;
-        blocking.wait("its end", async { browser.kill().await.unwrap_or(Ok(())) })?;
+        self.process.kill()?;
+        self.process.wait()?;
         Ok(())
     }
 
     /// Closes all tabs but an empty one, and deletes what an origin has stored.
     pub fn forget(&self, origin: &str) -> Result<()> {
-        let Self {
-            browser, blocking, ..
-        } = self;
-        let tabs = blocking.wait("the list of tabs", browser.pages())?;
+        let tabs = self.tabs()?;
         let empty = self.new_tab()?;
         for tab in tabs {
-            let close = CloseTargetParams::new(tab.target_id().clone());
-            blocking.wait("a tab to close", browser.execute(close))?;
-            self.wait_until_closed(tab.target_id())?;
+            self.close(&tab)?;
         }
         let all = json!({ "origin": origin, "storageTypes": "all" });
         empty.call("Storage.clearDataForOrigin", all).map(drop)
     }
 
+    /// Closes a tab, whatever the page in it does.
+    pub fn close(&self, tab: &str) -> Result<()> {
+        self.call("Target.closeTarget", json!({ "targetId": tab }))?;
+        self.wait_until_closed(tab)
+    }
+
     /// Waits until a tab that was told to close is closed.
-    pub fn wait_until_closed(&self, id: &TargetId) -> Result<()> {
+    pub fn wait_until_closed(&self, tab: &str) -> Result<()> {
         wait_until("the tab to be gone", WAIT_MAX, || {
-            let tabs = self.browser.pages();
-            let tabs = self.blocking.wait("the list of tabs", tabs)?;
-            let is_open = tabs.iter().any(|tab| tab.target_id() == id);
+            let is_open = self.tabs()?.iter().any(|open| open == tab);
             Ok(if is_open {
                 Err("it is open".to_owned())
             } else {
@@ -156,23 +145,38 @@ impl Chromium {
             })
         })
     }
+
+    /// The IDs of its tabs.
+    fn tabs(&self) -> Result<Vec<String>> {
+        let pages = json!({ "filter": [{ "type": "page" }] });
+        let targets = self.call("Target.getTargets", pages)?;
+        let targets = at(&targets, "/targetInfos").as_array();
+        let ids = targets
+            .into_iter()
+            .flatten()
+            .filter_map(|target| at(target, "/targetId").as_str());
+        Ok(ids.map(str::to_owned).collect())
+    }
 }
 
 impl Drop for Chromium {
     fn drop(&mut self) {
         // On request it ends its helper processes first. If it is killed, they run for a second or two and write into
         // a profile that has just been removed.
-        let Self {
-            browser, blocking, ..
-        } = self;
-        let asked = blocking.wait_for("its end", END_MAX, async {
-            browser.close().await.map_err(io::Error::other)?;
-            browser.wait().await
+        let _ = self.call("Browser.close", json!({}));
+        let has_ended = wait_until("its end", END_MAX, || {
+            let status = self.process.try_wait()?;
+            Ok(status.ok_or_else(|| "it runs".to_owned()))
         });
-        if asked.is_err() {
-            let _ = blocking.wait("its end", async { browser.kill().await.unwrap_or(Ok(())) });
+        if has_ended.is_err() {
+            let _ = self.kill();
         }
     }
+}
+
+/// What the browser writes to its terminal.
+fn messages_file(profile: &Path) -> PathBuf {
+    profile.join("messages.txt")
 }
 
 /// Writes a profile in which `origin` can use the permitted adapters, as if the user had picked each of them once.

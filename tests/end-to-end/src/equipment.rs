@@ -57,9 +57,7 @@ impl Equipment {
             }
         }
         if self.cleaner.get().is_none() {
-            let _ = self
-                .cleaner
-                .set(Cleaner::start(self.chromium.process_id, self.dir.path())?);
+            let _ = self.cleaner.set(Cleaner::start(self.dir.path())?);
         }
         Ok(())
     }
@@ -87,17 +85,14 @@ impl Equipment {
     }
 }
 
-/// Ends a browser and removes its directory after this program: Rust drops no static value when a program exits.
+/// Removes the directory of a browser after this program: Rust drops no static value when a program exits.
 struct Cleaner(#[expect(dead_code, reason = "its standard input closes with it")] Child);
 
 impl Cleaner {
-    fn start(browser: u32, dir: &Path) -> Result<Self> {
-        // The browser ends its helper processes first, which write into the directory. A process that does not name the
-        // directory is another one with the same ID.
-        const CLEAN: &str =
-            "cat; grep -q \"$1\" \"/proc/$0/cmdline\" && kill \"$0\" && sleep 1; rm -rf \"$1\"";
+    fn start(dir: &Path) -> Result<Self> {
+        // The browser ends with the pipe to this program. Its helper processes write into the directory until then.
         let mut shell = Command::new("sh");
-        shell.args(["-c", CLEAN, &browser.to_string()]).arg(dir);
+        shell.args(["-c", r#"cat; sleep 2; rm -rf "$0""#]).arg(dir);
         shell.stdin(Stdio::piped());
         shell.stdout(Stdio::null()).stderr(Stdio::null());
         // Ctrl-C ends the tests, not this.

@@ -1,9 +1,9 @@
 //! Measures the memory of a page and its workers.
 
 use anyhow::{Context, Result};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::cdp::at;
+use crate::cdp::{Session, at};
 use crate::page::Page;
 
 /// Memory of a page or a worker in bytes, after garbage collection.
@@ -23,13 +23,11 @@ impl Page {
     /// When it does not answer.
     pub fn memory(&self) -> Result<Memory> {
         self.drop_accessibility_tree()?;
-        let call = &mut |method, params: &Value| self.session.call(method, params.clone());
         // In a page with the app, Chromium 156 never answers the search for its memories.
-        let sum = json!({ "expression": "wasmBytes()" });
-        let wasm = call("Runtime.evaluate", &sum)?;
+        let wasm = self.session.evaluate("wasmBytes()")?;
         Ok(Memory {
-            script: script_bytes(call)?,
-            wasm: whole(at(&wasm, "/result/value").as_f64().context("no sum")?),
+            script: script_bytes(&self.session)?,
+            wasm: whole(wasm.as_f64().context("no sum")?),
         })
     }
 
@@ -53,21 +51,17 @@ impl Page {
     /// When there is no such worker, or it does not answer.
     pub fn memory_of_worker(&self, name: &str) -> Result<Memory> {
         self.with_worker(name, |worker| {
-            let call = &mut |method, params: &Value| worker.call(method, params);
             Ok(Memory {
-                script: script_bytes(call)?,
-                wasm: wasm_bytes(call)?,
+                script: script_bytes(worker)?,
+                wasm: wasm_bytes(worker)?,
             })
         })
     }
 }
 
-/// Calls a method of the protocol in a page or a worker.
-type Call<'a> = dyn FnMut(&'static str, &Value) -> Result<Value> + 'a;
-
-fn script_bytes(call: &mut Call) -> Result<u64> {
-    call("HeapProfiler.collectGarbage", &json!({}))?;
-    let heap = call("Runtime.getHeapUsage", &json!({}))?;
+fn script_bytes(of: &Session) -> Result<u64> {
+    of.call("HeapProfiler.collectGarbage", json!({}))?;
+    let heap = of.call("Runtime.getHeapUsage", json!({}))?;
     let bytes = |part: &str| at(&heap, part).as_f64().unwrap_or(0.0);
     Ok(whole(
         bytes("/usedSize") + bytes("/embedderHeapUsedSize") + bytes("/backingStorageSize"),
@@ -75,11 +69,11 @@ fn script_bytes(call: &mut Call) -> Result<u64> {
 }
 
 /// The size of linear memories. The browser's statistics do not include them, but it finds them as objects.
-fn wasm_bytes(call: &mut Call) -> Result<u64> {
+fn wasm_bytes(of: &Session) -> Result<u64> {
     let prototype = json!({ "expression": "WebAssembly.Memory.prototype" });
-    let prototype = call("Runtime.evaluate", &prototype)?;
+    let prototype = of.call("Runtime.evaluate", prototype)?;
     let prototype = json!({ "prototypeObjectId": at(&prototype, "/result/objectId") });
-    let memories = call("Runtime.queryObjects", &prototype)?;
+    let memories = of.call("Runtime.queryObjects", prototype)?;
     let sum = "function () {
         return this.reduce((sum, memory) => sum + memory.buffer.byteLength, 0);
     }";
@@ -88,7 +82,7 @@ fn wasm_bytes(call: &mut Call) -> Result<u64> {
         "functionDeclaration": sum,
         "returnByValue": true,
     });
-    let sum = call("Runtime.callFunctionOn", &sum)?;
+    let sum = of.call("Runtime.callFunctionOn", sum)?;
     let bytes = at(&sum, "/result/value").as_f64();
     Ok(whole(bytes.context("it does not tell of its memories")?))
 }

@@ -11,8 +11,6 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use chromiumoxide::cdp::browser_protocol::page::CaptureScreenshotFormat;
-use chromiumoxide::page::ScreenshotParams;
 use serde_json::json;
 
 use crate::page::Page;
@@ -54,15 +52,7 @@ impl Page {
             let due = length * number / count;
             thread::sleep(due.saturating_sub(began.elapsed()));
             let at = began.elapsed();
-            let picture = ScreenshotParams::builder()
-                .format(CaptureScreenshotFormat::Webp)
-                .quality(70)
-                .build();
-            let tab = self.session.tab();
-            let webp = self
-                .session
-                .blocking()
-                .wait("a picture", tab.screenshot(picture))?;
+            let webp = self.picture_webp(70)?;
             shots.push(Shot { webp, at });
         }
         let end = began.elapsed().max(length);

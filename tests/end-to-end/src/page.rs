@@ -79,16 +79,6 @@ impl Page {
             console,
             downloads,
         };
-        // chromiumoxide pauses every worker at its start, and detaches from a service worker so early that on a busy
-        // machine the worker stays paused forever.
-        let no_service_workers = json!({
-            "autoAttach": true,
-            "waitForDebuggerOnStart": false,
-            "flatten": true,
-            "filter": [{ "type": "service_worker", "exclude": true }, {}],
-        });
-        page.session
-            .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
         page.before_load(NOTE_MEMORIES)?;
@@ -118,9 +108,7 @@ impl Page {
     }
 
     fn go_within(&self, wait_max: Duration, url: &str) -> Result<()> {
-        let load = self.session.tab().goto(url);
-        let loaded = self.session.blocking().wait_for(url, wait_max, load);
-        loaded?;
+        self.session.load(wait_max, url)?;
         self.wait_until_whole()
     }
 
@@ -142,8 +130,7 @@ impl Page {
     ///
     /// When it does not load.
     pub fn reload(&self) -> Result<()> {
-        let tab = self.session.tab();
-        self.session.blocking().wait("a reload", tab.reload())?;
+        self.session.reload()?;
         self.wait_until_whole()
     }
 

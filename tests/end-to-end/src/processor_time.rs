@@ -17,7 +17,6 @@ impl Page {
     ///
     /// When Chromium does not answer.
     pub fn script_and_layout(&self) -> Result<Duration> {
-        self.session.call("Performance.enable", json!({}))?;
         let told = self.session.call("Performance.getMetrics", json!({}))?;
         let metrics = at(&told, "/metrics").as_array().context("no metrics")?;
         let seconds = |name: &str| {

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use chromiumoxide::cdp::browser_protocol::target::TargetId;
 use serde_json::json;
 
 use crate::cdp::at;
@@ -105,7 +104,7 @@ impl Page {
     }
 
     /// The ID of its tab.
-    pub(crate) fn tab_id(&self) -> &TargetId {
-        self.session.tab().target_id()
+    pub(crate) fn tab_id(&self) -> &str {
+        self.session.target()
     }
 }

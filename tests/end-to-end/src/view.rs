@@ -1,12 +1,14 @@
 //! Views of a page for screenshots.
 
+use std::fs;
 use std::path::Path;
 
-use anyhow::Result;
-use chromiumoxide::cdp::browser_protocol::page::CaptureScreenshotFormat;
-use chromiumoxide::page::ScreenshotParams;
-use serde_json::json;
+use anyhow::{Context, Result};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
 
+use crate::cdp::at;
 use crate::page::Page;
 
 /// The colour scheme of the user's system.
@@ -160,7 +162,7 @@ impl Page {
     ///
     /// When it cannot be taken or written.
     pub fn screenshot(&self, file: &Path) -> Result<()> {
-        self.save(ScreenshotParams::default(), file)
+        save(&self.picture(json!({ "format": "png" }))?, file)
     }
 
     /// Saves the visible part as a WebP file, a quarter of the size.
@@ -169,18 +171,21 @@ impl Page {
     ///
     /// When it cannot be taken or written.
     pub fn screenshot_webp(&self, file: &Path) -> Result<()> {
-        let small = ScreenshotParams::builder()
-            .format(CaptureScreenshotFormat::Webp)
-            .quality(80)
-            .build();
-        self.save(small, file)
+        save(&self.picture_webp(80)?, file)
     }
 
-    fn save(&self, params: ScreenshotParams, file: &Path) -> Result<()> {
-        let tab = self.session.tab();
-        self.session
-            .blocking()
-            .wait("a screenshot", tab.save_screenshot(params, file))
-            .map(drop)
+    /// The visible part as a WebP picture.
+    pub(crate) fn picture_webp(&self, quality: u8) -> Result<Vec<u8>> {
+        self.picture(json!({ "format": "webp", "quality": quality }))
     }
+
+    fn picture(&self, format: Value) -> Result<Vec<u8>> {
+        let taken = self.session.call("Page.captureScreenshot", format)?;
+        let picture = at(&taken, "/data").as_str().context("no picture")?;
+        Ok(BASE64_STANDARD.decode(picture)?)
+    }
+}
+
+fn save(picture: &[u8], file: &Path) -> Result<()> {
+    fs::write(file, picture).with_context(|| format!("cannot write {}", file.display()))
 }
