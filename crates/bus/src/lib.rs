@@ -13,7 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
-//! | find out the model of a port | [`ModelSearch`], [`Bus::detected_model`] |
+//! | open a port for the model of its motors | [`OpeningOrder`] |
 //! | know a recorded line | [`LineSamples`], [`TurnCounter`], [`CommandedValue`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
@@ -55,6 +55,7 @@ mod motor;
 mod motor_status;
 mod next_request;
 mod opening;
+mod opening_order;
 mod other_bytes;
 mod packet_log;
 mod pending_transmit;
@@ -107,8 +108,9 @@ pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_samples::{LineSamples, reported_current};
 pub use line_use::LineStatus;
 pub use mirror::Mirror;
-pub use model_search::{DETECTION_MAX, DetectedModel, ModelSearch};
+pub use model_search::DetectedModel;
 pub use motor_status::{Activity, MotorStatus};
+pub use opening_order::{Awaited, LeftMotors, OpeningOrder, PortTrial};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};

@@ -7,7 +7,7 @@ use motorlink_protocol::{Instant, family::Model};
 use crate::bus::Bus;
 
 /// How long a motor may take to send a frame of its model: an ID query of 60 ms and two queries at 10 Hz.
-pub const DETECTION_MAX: Duration = Duration::from_millis(200);
+pub(crate) const DETECTION_MAX: Duration = Duration::from_millis(200);
 
 /// What the replies on a port show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl Bus {
 /// The models to open a port for, one after the other: the likely one first, then what replies show, then the other
 /// baud rate.
 #[derive(Clone, Debug)]
-pub struct ModelSearch {
+pub(crate) struct ModelSearch {
     tried: Vec<Model>,
     /// The first that replies have shown.
     shown: Option<Model>,
@@ -44,8 +44,7 @@ pub struct ModelSearch {
 
 impl ModelSearch {
     /// A search that begins with this model.
-    #[must_use]
-    pub const fn from(first: Model) -> Self {
+    pub(crate) const fn from(first: Model) -> Self {
         Self {
             tried: Vec::new(),
             shown: None,
@@ -53,15 +52,24 @@ impl ModelSearch {
         }
     }
 
+    /// A search without a model.
+    pub(crate) const fn of_none() -> Self {
+        Self {
+            tried: Vec::new(),
+            shown: None,
+            next: None,
+        }
+    }
+
     /// The model to open the port for; `None` if no motor has answered as any.
-    pub fn next_model(&mut self) -> Option<Model> {
+    pub(crate) fn next_model(&mut self) -> Option<Model> {
         let model = self.next.take()?;
         self.tried.push(model);
         Some(model)
     }
 
     /// The trial of that model has ended without a motor of it. `other` is the model that replies have shown.
-    pub fn not_found(&mut self, other: Option<Model>) {
+    pub(crate) fn not_found(&mut self, other: Option<Model>) {
         let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
         let untried = |model: &Model| {
             let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;

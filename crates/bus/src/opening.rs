@@ -1,9 +1,12 @@
 //! What a bus knows of the port that was just opened.
 
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     bus::Bus,
+    command::Command,
+    refusal::Refusal,
+    settings::BusSettings,
     timing::{FRESH_FOR, LISTEN_BEFORE_ENABLE},
 };
 
@@ -32,6 +35,25 @@ impl Bus {
             old_replies_until: (!self.model.has_separate_frames()).then_some(now + FRESH_FOR),
             ..self
         }
+    }
+
+    /// Applies these settings and watches these motors. If `asks_for_id`, the first request is the ID query, to which all
+    /// motors of the line reply.
+    #[must_use]
+    pub fn prepared(
+        mut self,
+        now: Instant,
+        settings: BusSettings,
+        asks_for_id: bool,
+        motors: impl IntoIterator<Item = MotorId>,
+    ) -> Self {
+        let id_query = asks_for_id.then_some(Command::IdQuery);
+        let first = [Command::Configure(settings)].into_iter().chain(id_query);
+        for command in first.chain(motors.into_iter().map(Command::Watch)) {
+            // None of them is refused while nothing drives.
+            let _: Result<(), Refusal> = self.command(now, command);
+        }
+        self
     }
 
     /// Puts the bus on trial until [`Bus::end_trial`]. The bus then enables no motor: the port may be the wrong one,

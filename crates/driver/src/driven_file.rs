@@ -7,7 +7,7 @@
 use std::io;
 
 use motorlink_bus::LeftDriven;
-use motorlink_messages::LeftBehind;
+use motorlink_messages::{LeftBehind, NamedInFile};
 use motorlink_protocol::family::Model;
 
 /// Where the file is kept.
@@ -23,8 +23,7 @@ pub trait Store: std::fmt::Debug {
 #[derive(Debug)]
 pub struct DrivenFile {
     store: Option<Box<dyn Store>>,
-    /// What the file has.
-    written: Option<LeftBehind>,
+    written: NamedInFile,
     /// What was left driven and is on no bus now.
     carried: Option<LeftBehind>,
 }
@@ -41,10 +40,10 @@ pub enum NoFile {
 impl DrivenFile {
     /// Nothing is remembered, as for virtual motors.
     #[must_use]
-    pub(crate) const fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self {
             store: None,
-            written: None,
+            written: NamedInFile::default(),
             carried: None,
         }
     }
@@ -56,7 +55,7 @@ impl DrivenFile {
         let left = LeftBehind::of_file(content).ok().flatten();
         Self {
             store: Some(store),
-            written: None,
+            written: NamedInFile::default(),
             carried: left.filter(|left| !left.motors.is_empty()),
         }
     }
@@ -88,7 +87,7 @@ impl DrivenFile {
 
     /// The motors that may turn, as far as the file knows.
     pub(crate) fn written(&self) -> Option<LeftBehind> {
-        self.written.clone()
+        self.written.written().cloned()
     }
 
     /// Writes what is driven, if it has changed. Returns false if it cannot be written.
@@ -97,32 +96,25 @@ impl DrivenFile {
         model: Model,
         driven: impl Fn() -> I,
     ) -> bool {
-        // Asked with every frame: it allocates nothing while nothing changes.
-        let carried = || {
-            self.carried
-                .iter()
-                .flat_map(|left| left.motors.iter().copied())
-        };
-        let model = match &self.carried {
+        let Self {
+            store,
+            written,
+            carried,
+        } = self;
+        let carried = carried.as_ref();
+        let model = match carried {
             Some(left) if driven().next().is_none() => left.model,
             _ => model,
         };
-        let is_as_written = |written: &LeftBehind| {
-            let now = driven().chain(carried());
-            written.model == model && written.motors.iter().copied().eq(now)
-        };
-        if self.written.as_ref().is_some_and(is_as_written) {
-            return true;
-        }
-        let motors = driven().chain(carried()).collect();
-        let left = LeftBehind { model, motors };
-        let is_written = match &mut self.store {
-            None => true,
-            Some(store) => store.write(&left.to_file()).is_ok(),
-        };
-        // Not tried again before it changes.
-        self.written = Some(left);
-        is_written
+        let of_carried = || carried.iter().flat_map(|left| left.motors.iter().copied());
+        written.update(
+            model,
+            || driven().chain(of_carried()),
+            |left| match store {
+                None => true,
+                Some(store) => store.write(&left.to_file()).is_ok(),
+            },
+        )
     }
 }
 

@@ -25,7 +25,6 @@ mod holder;
 mod host;
 mod inputs;
 mod latency;
-mod left_motors;
 mod line;
 mod locked_file;
 mod open_failure;

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motorlink_bus::LeftMotors;
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_simulator::World;
 
@@ -10,7 +11,6 @@ use crate::{
     driven_file::NoFile,
     entry::Entry,
     host::Host,
-    left_motors::LeftMotors,
     open_failure::OpenFailure,
     options::Options,
     owner::{Owner, Stage},

@@ -94,6 +94,37 @@ impl LeftBehind {
     }
 }
 
+/// The motors that a file names.
+#[derive(Debug, Default)]
+pub struct NamedInFile(Option<LeftBehind>);
+
+impl NamedInFile {
+    /// The motors of the last [`NamedInFile::update`], also if the file does not take them.
+    #[must_use]
+    pub const fn written(&self) -> Option<&LeftBehind> {
+        self.0.as_ref()
+    }
+
+    /// Writes the motors that are driven now, if they have changed. Returns false if the file does not take them; that is
+    /// tried again when they change.
+    pub fn update<I: Iterator<Item = LeftDriven>>(
+        &mut self,
+        model: Model,
+        driven: impl Fn() -> I,
+        write: impl FnOnce(&LeftBehind) -> bool,
+    ) -> bool {
+        // Asked with every frame: it allocates nothing while nothing changes.
+        let is_written = |written: &LeftBehind| {
+            written.model == model && written.motors.iter().copied().eq(driven())
+        };
+        if self.0.as_ref().is_some_and(is_written) {
+            return true;
+        }
+        let motors = driven().collect();
+        write(self.0.insert(LeftBehind { model, motors }))
+    }
+}
+
 /// FNV-1a of 32 bits.
 fn checksum(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0x811C_9DC5, |sum, byte| {

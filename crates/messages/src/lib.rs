@@ -24,7 +24,7 @@ mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
 pub use awake_clock::AwakeClock;
-pub use left_behind::{Damaged, LeftBehind};
+pub use left_behind::{Damaged, LeftBehind, NamedInFile};
 pub use motorlink_bus as bus;
 pub use motorlink_experiments as experiments;
 pub use motorlink_protocol as protocol;

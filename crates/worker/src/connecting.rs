@@ -7,9 +7,11 @@
 use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use motorlink_bus::{Bus, Command, DetectedModel, LeftDriven, ModelSearch, Refusal, StopReason};
+use motorlink_bus::{
+    Awaited, Bus, Command, DetectedModel, LeftDriven, LeftMotors, OpeningOrder, Refusal, StopReason,
+};
 use motorlink_messages::{
-    Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
+    Adapter, ConnectError, LeftBehind, ModelChoice, Notice, PortRef, ToWorker, VirtualLine,
 };
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
@@ -23,9 +25,7 @@ use crate::{
     port_owner::{PortOwner, Shared},
     port_state::{AfterClosing, OpenPort, PortState, Stage},
     serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
-    trial::{
-        Superseded, any_motor_replies, detected_model, left_motor_turns, wanted_motor_replies,
-    },
+    trial::{Superseded, awaited, left_motor_turns, wanted_motor_replies},
 };
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
@@ -155,14 +155,15 @@ enum IfNoReply {
     KeepWaiting,
 }
 
-/// What is done on a candidate with the motors that an earlier connection left driven.
+/// How a trial of a candidate treats the motors that an earlier connection left driven. They may be on another adapter of
+/// this make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LeftMotors {
-    /// They are stopped at once if they can be on no other adapter, else asked.
+enum LeftHere {
+    /// It stops them at once if they can be on no other adapter, and asks them else.
     Find,
-    /// They are stopped at once: all other adapters of this make were asked.
+    /// It stops them at once: all other adapters of this make were asked.
     Stop,
-    /// Nothing: they did not answer here.
+    /// It leaves them alone: they did not answer here.
     Leave,
 }
 
@@ -193,6 +194,8 @@ struct Attempt<'a> {
     /// The adapter that was unplugged, if this is a reconnect.
     lost: Option<Adapter>,
     if_no_reply: IfNoReply,
+    /// Whether there is one candidate, which is taken whatever answers.
+    is_only: bool,
     began: Instant,
 }
 
@@ -203,6 +206,7 @@ pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wante
         wanted,
         lost: None,
         if_no_reply: IfNoReply::TakeFirst,
+        is_only: candidates.len() < 2,
         began: shared.borrow().now(),
     };
     if let Ok(Some(failure)) = attempt.open_any(candidates).await {
@@ -223,10 +227,9 @@ impl Attempt<'_> {
         let mut first_that_fits = None;
         let mut failure = ConnectError::PortGone;
         let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
-        let alone = candidates.len() < 2 && takes_first;
         for candidate in candidates {
             match self
-                .open_as_detected(generation, candidate, LeftMotors::Find)
+                .open_as_detected(generation, candidate, LeftHere::Find)
                 .await?
             {
                 Err(error) => failure = error,
@@ -238,7 +241,7 @@ impl Attempt<'_> {
                         self.settle();
                         return Ok(None);
                     }
-                    let is_wanted = (alone && !asked)
+                    let is_wanted = (self.is_only && !asked)
                         || wanted_motor_replies(self.shared, generation, self.wanted).await?;
                     if is_wanted && !asked {
                         self.settle();
@@ -255,9 +258,9 @@ impl Attempt<'_> {
         let taken = first_that_fits.or(first_that_opens.filter(|_| takes_first));
         if let Some(candidate) = taken {
             let left = if first_that_fits.is_some() {
-                LeftMotors::Stop
+                LeftHere::Stop
             } else {
-                LeftMotors::Leave
+                LeftHere::Leave
             };
             match self.open_as_detected(generation, candidate, left).await? {
                 Ok(_) => {
@@ -272,66 +275,62 @@ impl Attempt<'_> {
 
     /// Opens one port on trial. If motors were left driven on an adapter of this make, it opens for their model, and they
     /// are the first that are asked or stopped. Else it opens for the model that its motors answer as, if detection is on.
-    /// If it is off, or no motor answers, it opens for the model that the person has chosen.
+    /// If it is off, or no motor answers, it opens for the model that the person has chosen, and asks or stops the
+    /// left-driven motors again if they are of that model and this is the only candidate.
     async fn open_as_detected(
         self,
         mut generation: u32,
         candidate: PortRef,
-        left: LeftMotors,
+        left: LeftHere,
     ) -> Result<Result<Opened, ConnectError>, Superseded> {
         let shared = self.shared;
         if !self.claim(generation, candidate).await? {
             return Ok(Err(ConnectError::OtherTab));
         }
-        let left_model = shared.borrow().left.model(candidate.usb);
-        if let Some(model) = left_model.filter(|_| left != LeftMotors::Leave) {
-            let opened = match self.open_one(generation, candidate, model, left).await? {
-                Err(error) => return Ok(Err(error)),
-                Ok(opened) => opened,
-            };
-            if opened.left == LeftOnTrial::Asked
-                || any_motor_replies(shared, opened.generation).await?
-            {
-                shared.borrow_mut().model.model = model;
-                return Ok(Ok(opened));
-            }
-            // They may be without power, and other motors may be here.
-            generation = close_trial(shared, self.lost).await;
+        let left_model = || shared.borrow().left.model(candidate.usb);
+        let ModelChoice { model, detect } = shared.borrow().model;
+        let chosen = (!detect).then_some(model);
+        let mut order = OpeningOrder::new(left_model(), chosen, model);
+        if left == LeftHere::Leave && left_model().is_some() {
+            order.tried(None);
         }
-        let choice = shared.borrow().model;
-        let mut last = (choice.model, LeftMotors::Leave);
-        let mut search = ModelSearch::from(left_model.unwrap_or(choice.model));
-        while choice.detect
-            && let Some(model) = search.next_model()
-        {
-            match self
-                .open_one(generation, candidate, model, LeftMotors::Leave)
+        let mut has_answered = false;
+        loop {
+            let trial = order.trial();
+            let is_last = trial.awaits == Awaited::Nothing;
+            let here = match trial.left {
+                LeftMotors::Stop if !is_last => left,
+                LeftMotors::Stop
+                    if (has_answered || self.is_only)
+                        && left_model().is_some_and(|left| left.is_like(trial.model)) =>
+                {
+                    LeftHere::Find
+                }
+                _ => LeftHere::Leave,
+            };
+            let opened = match self
+                .open_one(generation, candidate, trial.model, here)
                 .await?
             {
                 Err(error) => return Ok(Err(error)),
-                Ok(opened) => generation = opened.generation,
+                Ok(opened) => opened,
+            };
+            // A reply does not tell one adapter from another: the caller finds out whether a motor turns.
+            let is_asked = opened.left == LeftOnTrial::Asked;
+            let found = if is_asked {
+                None
+            } else {
+                awaited(shared, opened.generation, trial.awaits).await?
+            };
+            has_answered = found == Some(DetectedModel::Own);
+            if has_answered || (is_asked && !is_last) {
+                shared.borrow_mut().model.model = trial.model;
             }
-            let detected = detected_model(shared, generation).await?;
-            if detected == Some(DetectedModel::Own) {
-                shared.borrow_mut().model.model = model;
-                if left_model.is_none_or(|left| !left.is_like(model)) {
-                    let left = LeftOnTrial::None;
-                    return Ok(Ok(Opened { generation, left }));
-                }
+            if is_asked || order.tried(found) {
+                return Ok(Ok(opened));
             }
             generation = close_trial(shared, self.lost).await;
-            match detected {
-                Some(DetectedModel::Own) => {
-                    // What was left driven did not answer before, and may now.
-                    last = (model, LeftMotors::Find);
-                    break;
-                }
-                Some(DetectedModel::Other(model)) => search.not_found(Some(model)),
-                None => search.not_found(None),
-            }
         }
-        let (model, how) = last;
-        self.open_one(generation, candidate, model, how).await
     }
 
     /// Claims the adapter, and learns what workers that have ended left driven on it. Returns false if other tabs have it.
@@ -363,7 +362,7 @@ impl Attempt<'_> {
         generation: u32,
         candidate: PortRef,
         model: Model,
-        left: LeftMotors,
+        left: LeftHere,
     ) -> Result<Result<Opened, ConnectError>, Superseded> {
         let shared = self.shared;
         let opening = shared.borrow().now();
@@ -407,15 +406,15 @@ impl Attempt<'_> {
     }
 
     /// The bus for a port on trial, with the stop of the motors that were left driven as its first act.
-    fn new_bus(self, line: &SerialLine, model: Model, how: LeftMotors) -> (Bus, LeftOnTrial) {
+    fn new_bus(self, line: &SerialLine, model: Model, how: LeftHere) -> (Bus, LeftOnTrial) {
         let mut owner = self.shared.borrow_mut();
         let now = owner.now();
         let mut bus = owner.new_bus(model, None).on_trial();
         let is_alone = || owner.left.are_foreign(&line.others_of_make);
         let stops = match how {
-            LeftMotors::Find => is_alone(),
-            LeftMotors::Stop => true,
-            LeftMotors::Leave => return (bus, LeftOnTrial::None),
+            LeftHere::Find => is_alone(),
+            LeftHere::Stop => true,
+            LeftHere::Leave => return (bus, LeftOnTrial::None),
         };
         let left = if stops {
             bus.stop_first(now, owner.left.take(line.usb()));
@@ -498,6 +497,7 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
                     wanted: shared.borrow().selected,
                     lost: Some(lost),
                     if_no_reply,
+                    is_only: candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst,
                     began: shared.borrow().now(),
                 };
                 match attempt.open_any(candidates).await {

@@ -158,9 +158,8 @@ async fn a_motor_left_driven_that_does_not_answer_does_not_hide_the_others() {
         .await;
 }
 
-/// The line is dead while the port is opened, and good again when the model is looked for.
-#[wasm_bindgen_test]
-async fn a_motor_left_driven_that_answers_late_is_stopped() {
+/// A worker opens the port of a motor that another one has left driven, on a line that is dead.
+async fn left_driven_on_a_dead_line() -> (Bench, MockPort) {
     let bench = Bench::new();
     let port = bench.port(CH340, &[1]);
     driving(&bench, &port).await;
@@ -168,19 +167,27 @@ async fn a_motor_left_driven_that_answers_late_is_stopped() {
 
     let bench = Bench::new();
     let port = bench.port_to(CH340, port.world.clone());
-    let line = |condition| {
-        let now = bench.now();
-        port.world.borrow_mut().set_line_condition(now, condition);
-    };
-    line(LineCondition::Dead);
+    set_line(&bench, &port, LineCondition::Dead);
     bench.plug(&port);
     bench.connect_left(&[1]);
+    (bench, port)
+}
+
+fn set_line(bench: &Bench, port: &MockPort, condition: LineCondition) {
+    let now = bench.now();
+    port.world.borrow_mut().set_line_condition(now, condition);
+}
+
+/// The line is good again when the model is looked for.
+#[wasm_bindgen_test]
+async fn a_motor_left_driven_that_answers_late_is_stopped() {
+    let (bench, port) = left_driven_on_a_dead_line().await;
     bench
         .until("the stop", |bench| !stops_left_driven(bench).is_empty())
         .await;
     assert_eq!(stops_left_driven(&bench), [[(ONE, false)]]);
     assert!(port.speed(1) > 90.0);
-    line(LineCondition::Good);
+    set_line(&bench, &port, LineCondition::Good);
     bench
         .until("the other stop", |bench| {
             stops_left_driven(bench).len() == 2
@@ -189,6 +196,22 @@ async fn a_motor_left_driven_that_answers_late_is_stopped() {
     assert_eq!(stops_left_driven(&bench)[1], [(ONE, true)]);
     assert!(port.speed(1).abs() < 1.0);
     bench.until_connected().await;
+}
+
+#[wasm_bindgen_test]
+async fn a_motor_left_driven_that_answers_when_its_port_is_open_is_stopped() {
+    let (bench, port) = left_driven_on_a_dead_line().await;
+    bench.until_connected().await;
+    assert!(port.speed(1) > 90.0);
+    set_line(&bench, &port, LineCondition::Good);
+    bench
+        .until("standstill", |_| port.speed(1).abs() < 1.0)
+        .await;
+    bench
+        .until("the report", |bench| {
+            stops_left_driven(bench).last() == Some(&vec![(ONE, true)])
+        })
+        .await;
 }
 
 #[wasm_bindgen_test]

@@ -7,7 +7,7 @@
 
 use js_sys::{Array, Function, Reflect, Uint8Array};
 use motorlink_bus::LeftDriven;
-use motorlink_messages::LeftBehind;
+use motorlink_messages::{LeftBehind, NamedInFile};
 use motorlink_protocol::family::Model;
 use wasm_bindgen::{JsCast, JsValue};
 
@@ -16,15 +16,14 @@ use wasm_bindgen::{JsCast, JsValue};
 pub(crate) struct DrivenFile {
     /// The object of `boot/adapters.js`.
     file: Option<JsValue>,
-    /// What the file has.
-    written: Option<LeftBehind>,
+    written: NamedInFile,
 }
 
 impl DrivenFile {
     pub(crate) fn of(file: JsValue) -> Self {
         Self {
             file: file.is_object().then_some(file),
-            written: None,
+            written: NamedInFile::default(),
         }
     }
 
@@ -56,27 +55,16 @@ impl DrivenFile {
         model: Model,
         driven: impl Fn() -> I,
     ) -> bool {
-        // Asked with every frame: it allocates nothing while nothing changes.
-        let is_as_written = |written: &LeftBehind| {
-            written.model == model && written.motors.iter().copied().eq(driven())
-        };
-        if self.written.as_ref().is_some_and(is_as_written) {
-            return true;
-        }
-        let now = LeftBehind {
-            model,
-            motors: driven().collect(),
-        };
-        let is_written = self.write(&now.to_file()).is_some() || now.motors.is_empty();
-        // Not tried again before it changes.
-        self.written = Some(now);
-        is_written
+        let Self { file, written } = self;
+        written.update(model, driven, |left| {
+            write(file.as_ref(), &left.to_file()).is_some() || left.motors.is_empty()
+        })
     }
+}
 
-    fn write(&self, bytes: &[u8]) -> Option<()> {
-        let file = self.file.as_ref()?;
-        let write: Function = Reflect::get(file, &"write".into()).ok()?.dyn_into().ok()?;
-        let written = write.call1(file, &Uint8Array::from(bytes)).ok()?;
-        written.is_truthy().then_some(())
-    }
+fn write(file: Option<&JsValue>, bytes: &[u8]) -> Option<()> {
+    let file = file?;
+    let write: Function = Reflect::get(file, &"write".into()).ok()?.dyn_into().ok()?;
+    let written = write.call1(file, &Uint8Array::from(bytes)).ok()?;
+    written.is_truthy().then_some(())
 }

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Bus, BusSettings, Command, Event, Output, Refusal};
+use motorlink_bus::{Bus, BusSettings, Event, Output};
 use motorlink_messages::{LeftBehind, ModelChoice, Notice, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
@@ -95,15 +95,10 @@ impl PortOwner {
         }
         // The motors of a virtual line are known, and several would reply to the ID query at once.
         let known = line.filter(|line| line.count() > 1);
-        let id_query = known.is_none().then_some(Command::IdQuery);
+        let asks_for_id = known.is_none();
         let watched = known.into_iter().flat_map(VirtualLine::ids);
-        let watched = watched.chain([self.selected]).map(Command::Watch);
-        let first = [Command::Configure(self.settings)];
-        for command in first.into_iter().chain(id_query).chain(watched) {
-            // None of them is refused while nothing drives.
-            let _: Result<(), Refusal> = bus.command(now, command);
-        }
-        bus
+        let watched = watched.chain([self.selected]);
+        bus.prepared(now, self.settings, asks_for_id, watched)
     }
 
     /// Sets the state of the port; returns the old one and the number of the new one.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use gloo_timers::future::sleep;
-use motorlink_bus::{DETECTION_MAX, DetectedModel, MotorStatus};
+use motorlink_bus::{Awaited, DetectedModel, MotorStatus};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
@@ -20,13 +20,17 @@ const TRIAL_STEP: Duration = Duration::from_millis(20);
 /// Another port state has begun meanwhile, so this task ends.
 pub(crate) struct Superseded;
 
-/// Waits until the replies on the port on trial show the model of the motors; `None` if no motor has replied.
-pub(crate) async fn detected_model(
+/// Waits until the port on trial shows what keeps it open; `None` if it does not.
+pub(crate) async fn awaited(
     shared: &Shared,
     generation: u32,
+    awaited: Awaited,
 ) -> Result<Option<DetectedModel>, Superseded> {
-    let of_replies = |open: &OpenPort, now: Instant| open.bus.detected_model(now);
-    wait_on_trial(shared, generation, DETECTION_MAX, of_replies).await
+    if awaited == Awaited::Nothing {
+        return Ok(None);
+    }
+    let found = |open: &OpenPort, now: Instant| awaited.found(&open.bus, now);
+    wait_on_trial(shared, generation, awaited.limit(), found).await
 }
 
 /// Waits until the wanted motor replies on the port on trial. Returns whether it does.
@@ -36,20 +40,6 @@ pub(crate) async fn wanted_motor_replies(
     wanted: MotorId,
 ) -> Result<bool, Superseded> {
     let replied = |open: &OpenPort, now: Instant| open.has_replied(now, wanted).then_some(());
-    let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
-    Ok(reply.is_some())
-}
-
-/// Waits until a motor replies on the port on trial, while motors that were left driven are being stopped. Returns whether
-/// one does.
-pub(crate) async fn any_motor_replies(
-    shared: &Shared,
-    generation: u32,
-) -> Result<bool, Superseded> {
-    let replied = |open: &OpenPort, now: Instant| {
-        let mut motors = open.bus.motors(now);
-        motors.any(|motor| motor.last.is_some()).then_some(())
-    };
     let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
     Ok(reply.is_some())
 }
