@@ -466,6 +466,15 @@ fn an_aborted_study_has_the_figures_of_what_was_measured() {
         panic!("not a step response");
     };
     assert_eq!((found.groups[0].repeats.len(), found.left_out), (2, 1));
+
+    // While the third one runs, it is not left out.
+    let mut running = Record::default();
+    running.began(bench.record.began_at().unwrap());
+    running.add_part(bench.record.take_part());
+    let Findings::Step(found) = study.evaluate(&running, &Measured::default()) else {
+        panic!("not a step response");
+    };
+    assert_eq!((found.groups[0].repeats.len(), found.left_out), (2, 0));
 }
 
 #[test]

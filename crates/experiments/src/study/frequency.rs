@@ -160,7 +160,7 @@ impl FrequencyStudy {
             model: None,
             left_out: 0,
         };
-        for span in spans(record) {
+        for span in spans(record).into_iter().filter(|span| !span.is_running) {
             let place = span.step.checked_sub(STEPS_BEFORE);
             let Some((wave, for_s)) = place.and_then(|place| sines.get(place)) else {
                 continue;

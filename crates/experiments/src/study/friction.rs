@@ -87,7 +87,7 @@ impl FrictionStudy {
         let mut levels = Vec::new();
         let mut left_out = 0;
         for span in spans(record) {
-            if !matches!(rows.get(span.step), Some(Some(_))) {
+            if span.is_running || !matches!(rows.get(span.step), Some(Some(_))) {
                 continue;
             }
             if !span.lasted(self.hold_s) {

@@ -16,7 +16,10 @@ pub(super) struct Span {
     /// The instruction of the plan. For a sequence without repeats it is the number of the step.
     pub(super) step: usize,
     pub(super) from_s: f64,
+    /// Its end, or the last sample if it still runs.
     pub(super) to_s: f64,
+    /// Whether it still runs: its figures come later.
+    pub(super) is_running: bool,
 }
 
 impl Span {
@@ -43,13 +46,16 @@ pub(super) fn spans(record: &Record) -> Vec<Span> {
     };
     let marks = record.marks();
     let ends = marks.iter().skip(1).map(|mark| mark.at).chain(end);
+    let last = marks.len().saturating_sub(1);
     marks
         .iter()
         .zip(ends)
-        .map(|(mark, end)| Span {
+        .enumerate()
+        .map(|(place, (mark, end))| Span {
             step: mark.step,
             from_s: seconds(mark.at),
             to_s: seconds(end),
+            is_running: place == last && record.end().is_none(),
         })
         .collect()
 }

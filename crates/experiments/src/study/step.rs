@@ -4,7 +4,7 @@ use motorlink_protocol::{Acceleration, MotorId, family::Model};
 
 use super::{
     Measured, Parameter,
-    spans::{accelerated, hold_rpm, ramp_rpm, spans},
+    spans::{Span, accelerated, hold_rpm, ramp_rpm, spans},
 };
 use crate::{
     analysis::{
@@ -176,7 +176,8 @@ impl StepStudy {
         let mut groups: Vec<StepGroup> = Vec::new();
         let mut left_out = 0;
         // The steps are the odd rows of the sequence.
-        for span in spans(record).iter().filter(|span| span.step % 2 == 1) {
+        let is_measured = |span: &&Span| span.step % 2 == 1 && !span.is_running;
+        for span in spans(record).iter().filter(is_measured) {
             let Some(acceleration) = self.accelerations.get(span.step / 2 / passes.max(1)) else {
                 continue;
             };
