@@ -210,8 +210,12 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     recorded_until_a_crash(&bench, &adapter)?;
     let page = bench.open("/")?;
     offered(&page)?;
+    // It comes while the page loads: then it must not push the buttons away under the mouse.
+    let place = "document.querySelector('.first-buttons').getBoundingClientRect().y";
+    let beside_the_offer = page.evaluate(place)?;
     // Who does neither is asked again.
     page.click("button", "Dismiss previous session")?;
+    assert_eq!(page.evaluate(place)?, beside_the_offer);
     page.reload()?;
     offered(&page)?;
     page.click("button", "Delete session")?;
