@@ -14,13 +14,13 @@ use serde_json::{Value, json};
 
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// Gets method and parameters of each event of a session.
+/// Gets method and parameters of each event of a session. It must not call the browser: the next message waits for it.
 type Listener = Box<dyn Fn(&str, &Value) + Send>;
 
 /// The connection to one browser.
 pub struct Connection {
     commands: Mutex<ChildStdin>,
-    heard: Arc<Mutex<Heard>>,
+    pending: Arc<Mutex<Pending>>,
 }
 
 /// A call of a method.
@@ -54,9 +54,9 @@ struct Refusal {
     message: String,
 }
 
-/// Who waits for what from the browser.
+/// The calls that wait for the browser, and the listeners.
 #[derive(Default)]
-struct Heard {
+struct Pending {
     has_ended: bool,
     calls: u64,
     /// Calls without a reply.
@@ -65,21 +65,22 @@ struct Heard {
 }
 
 impl Connection {
-    /// Reads what the browser says from now on.
+    /// Reads the browser's messages from now on.
     pub fn new(commands: ChildStdin, messages: ChildStdout) -> Self {
-        let heard = Arc::<Mutex<Heard>>::default();
-        let reading = Arc::clone(&heard);
+        let pending = Arc::<Mutex<Pending>>::default();
+        let reading = Arc::clone(&pending);
         thread::spawn(move || {
             for message in BufReader::new(messages).split(0).map_while(Result::ok) {
-                if let Ok(message) = serde_json::from_slice(&message) {
-                    lock(&reading).take(message);
+                match serde_json::from_slice(&message) {
+                    Ok(message) => lock(&reading).take(message),
+                    Err(error) => eprintln!("a message of Chromium is not understood: {error}"),
                 }
             }
             lock(&reading).end();
         });
         Self {
             commands: Mutex::new(commands),
-            heard,
+            pending,
         }
     }
 
@@ -92,7 +93,7 @@ impl Connection {
         params: Value,
     ) -> Result<Value> {
         let (answer, answered) = mpsc::channel();
-        let id = lock(&self.heard)
+        let id = lock(&self.pending)
             .expect(answer)
             .with_context(|| format!("the browser has ended before {method}"))?;
         let mut command = serde_json::to_vec(&Command {
@@ -107,7 +108,7 @@ impl Connection {
             .with_context(|| format!("the browser does not take {method}"))?;
         let reply = answered.recv_timeout(wait_max).map_err(|why| match why {
             RecvTimeoutError::Timeout => {
-                lock(&self.heard).waiting.remove(&id);
+                lock(&self.pending).waiting.remove(&id);
                 anyhow!("no answer from Chromium to {method} in {wait_max:?}")
             }
             RecvTimeoutError::Disconnected => anyhow!("the browser has ended during {method}"),
@@ -120,11 +121,11 @@ impl Connection {
 
     fn listen(&self, session: &str, listener: impl Fn(&str, &Value) + Send + 'static) {
         let listener = (session.to_owned(), Box::new(listener) as Listener);
-        lock(&self.heard).listeners.push(listener);
+        lock(&self.pending).listeners.push(listener);
     }
 }
 
-impl Heard {
+impl Pending {
     /// The number of a new call.
     fn expect(&mut self, answer: Sender<Message>) -> Option<u64> {
         self.calls += 1;
@@ -162,14 +163,38 @@ impl Heard {
     }
 }
 
+/// The document in a tab.
+#[derive(Default)]
+struct Document {
+    /// Its loader, which tells it from the document before it.
+    loader: String,
+    is_loaded: bool,
+}
+
+impl Document {
+    /// Records an event of the tab with this main frame.
+    fn record(&mut self, main_frame: &str, method: &str, event: &Value) {
+        let text = |pointer: &str| at(event, pointer).as_str().unwrap_or_default();
+        if method == "Page.frameNavigated" && text("/frame/id") == main_frame {
+            *self = Self {
+                loader: text("/frame/loaderId").to_owned(),
+                // Nothing more is said of a page that comes back whole.
+                is_loaded: text("/type") == "BackForwardCacheRestore",
+            };
+        }
+        if method == "Page.lifecycleEvent" && text("/loaderId") == self.loader {
+            self.is_loaded |= text("/name") == "load" && text("/frameId") == main_frame;
+        }
+    }
+}
+
 /// The session of one tab or worker.
 #[derive(Clone)]
 pub struct Session {
     connection: Arc<Connection>,
     id: String,
     target: String,
-    /// The loader of the last document that was loaded in this tab.
-    loaded: Arc<Mutex<String>>,
+    document: Arc<Mutex<Document>>,
 }
 
 impl Session {
@@ -181,7 +206,7 @@ impl Session {
             id: text_at(&attached, "/sessionId")?,
             target: target.to_owned(),
             connection,
-            loaded: Arc::default(),
+            document: Arc::default(),
         })
     }
 
@@ -190,15 +215,8 @@ impl Session {
         let blank = json!({ "url": "about:blank" });
         let created = connection.call(None, WAIT_MAX, "Target.createTarget", blank)?;
         let tab = Self::attach(connection, &text_at(&created, "/targetId")?)?;
-        let (main_frame, loaded) = (tab.target.clone(), Arc::clone(&tab.loaded));
-        tab.listen(move |method, event| {
-            let is_loaded = method == "Page.lifecycleEvent"
-                && at(event, "/name") == "load"
-                && at(event, "/frameId") == &main_frame;
-            if let (true, Some(loader)) = (is_loaded, at(event, "/loaderId").as_str()) {
-                loader.clone_into(&mut lock(&loaded));
-            }
-        });
+        let (main_frame, document) = (tab.target.clone(), Arc::clone(&tab.document));
+        tab.listen(move |method, event| lock(&document).record(&main_frame, method, event));
         // Performance measures from the start of a page.
         for domain in ["Page", "Performance"] {
             tab.call(&format!("{domain}.enable"), json!({}))?;
@@ -248,24 +266,25 @@ impl Session {
         let Some(loader) = at(&navigated, "/loaderId").as_str() else {
             return Ok(());
         };
-        self.wait_until_loaded(wait_max, url, |loaded| loaded == loader)
+        self.wait_until_loaded(wait_max, url, |now| now == loader)
     }
 
     /// Loads the tab's page again.
     pub fn reload(&self) -> Result<()> {
-        let before = lock(&self.loaded).clone();
+        let before = lock(&self.document).loader.clone();
         self.call("Page.reload", json!({}))?;
-        self.wait_until_loaded(WAIT_MAX, "the page again", |loaded| loaded != before)
+        self.wait_until_loaded(WAIT_MAX, "the page again", |now| now != before)
     }
 
     fn wait_until_loaded(
         &self,
         wait_max: Duration,
         what: &str,
-        is_loaded: impl Fn(&str) -> bool,
+        is_expected: impl Fn(&str) -> bool,
     ) -> Result<()> {
         wait_until(&format!("{what} to load"), wait_max, || {
-            Ok(if is_loaded(&lock(&self.loaded)) {
+            let document = lock(&self.document);
+            Ok(if document.is_loaded && is_expected(&document.loader) {
                 Ok(())
             } else {
                 Err("it loads".to_owned())
@@ -295,9 +314,7 @@ impl Session {
     /// The value of a JavaScript function called with the node as `this`.
     pub fn call_on_node(&self, node: i64, function: &str, arguments: &[Value]) -> Result<Value> {
         let resolved = self.call("DOM.resolveNode", json!({ "backendNodeId": node }))?;
-        let object = at(&resolved, "/object/objectId")
-            .as_str()
-            .context("the node is no object")?;
+        let object = text_at(&resolved, "/object/objectId")?;
         let arguments: Vec<Value> = arguments
             .iter()
             .map(|value| json!({ "value": value }))

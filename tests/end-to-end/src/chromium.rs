@@ -163,7 +163,9 @@ impl Drop for Chromium {
     fn drop(&mut self) {
         // On request it ends its helper processes first. If it is killed, they run for a second or two and write into
         // a profile that has just been removed.
-        let _ = self.call("Browser.close", json!({}));
+        let _ = self
+            .connection
+            .call(None, END_MAX, "Browser.close", json!({}));
         let has_ended = wait_until("its end", END_MAX, || {
             let status = self.process.try_wait()?;
             Ok(status.ok_or_else(|| "it runs".to_owned()))

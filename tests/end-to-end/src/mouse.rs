@@ -5,6 +5,46 @@ use serde_json::{Value, json};
 
 use crate::cdp::at;
 use crate::control::Control;
+use crate::retry::retry;
+
+/// Attempts to press a control under which the page moves.
+const PRESSES_MAX: u32 = 3;
+
+/// Scrolls to `this`, waits until it rests, and gives its middle, or what is wrong. Notes in `benchHit` whether the next
+/// press hits it.
+const REACH: &str = "async function () {
+    const place = () => {
+        const { x, y, width, height } = this.getBoundingClientRect();
+        return { x: x + width / 2, y: y + height / 2, width, height };
+    };
+    const rest = async () => {
+        // A hidden page has no frames.
+        for (let before = place(), frame = 0; !document.hidden && frame < 50; frame++) {
+            await new Promise(requestAnimationFrame);
+            const now = place();
+            if (JSON.stringify(now) === JSON.stringify(before)) break;
+            before = now;
+        }
+        return place();
+    };
+    // A label over its own field forwards the click to it.
+    const isMine = (hit) => this === hit || this.contains(hit) || hit?.closest('label')?.control === this;
+    const cover = ({ x, y }) => {
+        const hit = document.elementFromPoint(x, y);
+        return isMine(hit) ? null : 'at its middle there is ' + (hit ? hit.outerHTML.slice(0, 200) : 'nothing');
+    };
+    this.scrollIntoViewIfNeeded();
+    let at = await rest();
+    if (!at.width || !at.height) return 'it has no size';
+    if (cover(at) !== null) {
+        // A fixed element may cover it: a user scrolls on.
+        this.scrollIntoView({ block: 'center', behavior: 'instant' });
+        at = await rest();
+    }
+    delete this.benchHit;
+    addEventListener('pointerdown', (press) => { this.benchHit = isMine(press.target); }, { capture: true, once: true });
+    return cover(at) ?? [at.x, at.y];
+}";
 
 impl Control {
     /// Clicks it with the mouse, at its middle.
@@ -13,11 +53,8 @@ impl Control {
     ///
     /// When it is disabled, has no size, or is covered: a user could not click it either.
     pub fn click(&self) -> Result<()> {
-        let (x, y) = self.reachable_middle()?;
-        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
-            self.mouse(kind, x, y)?;
-        }
-        Ok(())
+        let (x, y) = self.press()?;
+        self.mouse("mouseReleased", x, y)
     }
 
     /// Holds the mouse down on it until [`Control::release`].
@@ -26,9 +63,7 @@ impl Control {
     ///
     /// As for [`Control::click`].
     pub fn hold(&self) -> Result<()> {
-        let (x, y) = self.reachable_middle()?;
-        self.mouse("mouseMoved", x, y)?;
-        self.mouse("mousePressed", x, y)
+        self.press().map(drop)
     }
 
     /// Releases the mouse.
@@ -47,9 +82,7 @@ impl Control {
     ///
     /// As for [`Control::click`].
     pub fn drag_down(&self, pixels: f64) -> Result<()> {
-        let (x, y) = self.reachable_middle()?;
-        self.mouse("mouseMoved", x, y)?;
-        self.mouse("mousePressed", x, y)?;
+        let (x, y) = self.press()?;
         // Held, the button is that of the press.
         for part in [0.5, 1.0] {
             let event = json!({
@@ -73,6 +106,24 @@ impl Control {
             .map(drop)
     }
 
+    /// Presses the mouse button at its middle. While a page loads, it may move under the mouse: then the press is
+    /// repeated.
+    fn press(&self) -> Result<(f64, f64)> {
+        retry(&format!("press {}", self.title()), PRESSES_MAX, || {
+            let (x, y) = self.reachable_middle()?;
+            self.mouse("mouseMoved", x, y)?;
+            self.mouse("mousePressed", x, y)?;
+            // What is pressed may have left the page.
+            let missed = self.ask("function () { return this.benchHit === false; }", &[]);
+            if missed.is_ok_and(|missed| missed == true) {
+                // In a corner, so that it clicks nothing.
+                self.mouse("mouseReleased", 0.0, 0.0)?;
+                return Ok(Err("the page moved under the mouse".to_owned()));
+            }
+            Ok(Ok((x, y)))
+        })
+    }
+
     fn reachable_middle(&self) -> Result<(f64, f64)> {
         ensure!(
             !self.disabled,
@@ -80,40 +131,15 @@ impl Control {
             self.title(),
             self.description
         );
-        self.session
-            .call(
-                "DOM.scrollIntoViewIfNeeded",
-                json!({ "backendNodeId": self.node }),
-            )
-            .with_context(|| format!("cannot scroll to {}", self.title()))?;
-        let Some(covered_by) = self.what_covers(self.middle()?)? else {
-            return self.middle();
-        };
-        // A fixed element may cover it: a user scrolls on.
-        self.ask(
-            "function () { this.scrollIntoView({ block: 'center', behavior: 'instant' }); }",
-            &[],
-        )?;
-        let middle = self.middle()?;
-        match self.what_covers(middle)? {
-            None => Ok(middle),
-            Some(_) => bail!(
-                "at the middle of {} there is {covered_by} instead",
-                self.title()
+        let place = self.ask(REACH, &[])?;
+        match (at(&place, "/0").as_f64(), at(&place, "/1").as_f64()) {
+            (Some(x), Some(y)) => Ok((x, y)),
+            _ => bail!(
+                "{} cannot be reached: {}",
+                self.title(),
+                place.as_str().unwrap_or_default()
             ),
         }
-    }
-
-    /// The element that a click at this point hits instead.
-    fn what_covers(&self, (x, y): (f64, f64)) -> Result<Option<String>> {
-        // A label over its own field forwards the click to it.
-        let function = "function (x, y) {
-            const hit = document.elementFromPoint(x, y);
-            const mine = this === hit || this.contains(hit) || hit?.closest('label')?.control === this;
-            return mine ? null : (hit ? hit.outerHTML.slice(0, 200) : 'nothing');
-        }";
-        let other = self.ask(function, &[json!(x), json!(y)])?;
-        Ok(other.as_str().map(str::to_owned))
     }
 
     /// The middle of its box in the window, in CSS pixels.

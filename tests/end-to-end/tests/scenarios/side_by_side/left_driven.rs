@@ -171,6 +171,13 @@ fn another_worker_stops_it(
     let its_last = drives.frames.iter().rfind(|frame| !frame.is_stop());
     let from_us = its_last.map_or(failed_us, |frame| frame.at_us + 1);
     ensure!(from_us < failed_us + LAST_WRITE_WITHIN_US, "{drives}");
+    let wire = scenario.since(from_us)?.from_host();
+    let its_own = wire.until(failed_us + LAST_WRITE_WITHIN_US);
+    let its_queries = its_own
+        .frames
+        .iter()
+        .take_while(|frame| frame.bytes.get(1) == Some(&0x74));
+    let from_us = its_queries.last().map_or(from_us, |frame| frame.at_us + 1);
     let stands_within_us = within_us + STANDS_WITHIN_US - STOPS_WITHIN_US;
     let took_us = is_stopped_first(&mut scenario, what, from_us, says, stands_within_us)?;
     ensure!(took_us < within_us, "{took_us} us");

@@ -77,7 +77,11 @@ fn a_frame_sent_by_hand_is_in_the_log_whatever_is_collapsed_or_filtered() -> Res
     page.wait_for_text("log", "Packets", |text| !text.contains(QUERY))?;
     type_bytes(page, QUERY)?;
     page.click("button", "Send")?;
-    page.wait_for_text("log", "Packets", |text| text.contains(QUERY))?;
+    // With its reply, whose row is counted below.
+    page.wait_for_text("log", "Packets", |text| {
+        let after = text.split_once(QUERY).map(|(_, after)| after);
+        after.is_some_and(|after| after.contains("RX"))
+    })?;
     assert!(entries.contains("collapsed"), "{entries}");
 
     // What was collapsed before it is opened in its place, and collapsed again, by keyboard.
