@@ -18,11 +18,11 @@ const LEFT_ANSWER: Duration = Duration::from_millis(400);
 pub enum LeftMotors {
     /// Those of a like model are stopped first.
     Stop,
-    /// It leaves them alone: they were stopped on this port and did not answer, or are of another model.
+    /// It leaves them alone.
     Leave,
 }
 
-/// The condition for keeping a port open.
+/// What a trial waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Awaited {
     /// A reply of any motor.
@@ -44,8 +44,8 @@ impl Awaited {
         }
     }
 
-    /// The model that the replies so far show; `None` while they are not enough. For [`Awaited::Reply`], any reply shows
-    /// that of the line.
+    /// The model that the replies so far show; `None` while they are not enough. For [`Awaited::Reply`] one reply is
+    /// enough, and counts as the model of the line.
     #[must_use]
     pub fn found(self, bus: &Bus, now: Instant) -> Option<DetectedModel> {
         match self {
@@ -67,8 +67,7 @@ pub struct PortTrial {
     pub model: Model,
     /// How it treats motors that were left driven.
     pub left: LeftMotors,
-    /// The condition for keeping it open. If it is not met, the port is closed, and [`OpeningOrder::trial`] is the next
-    /// one.
+    /// What it waits for. [`OpeningOrder::tried`] says whether the port then stays open.
     pub awaits: Awaited,
 }
 
@@ -151,7 +150,7 @@ impl OpeningOrder {
         }
     }
 
-    /// Tries no other model. Left-driven motors are stopped when they answer.
+    /// Tries no other model. Left-driven motors are stopped at once, and again when they answer.
     const fn stay_with(&mut self, model: Model) {
         self.trial = PortTrial {
             model,

@@ -159,7 +159,7 @@ enum IfNoReply {
 /// this make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LeftHere {
-    /// It stops them at once if they can be on no other adapter, and asks them else.
+    /// It stops them at once if they can be on no other adapter; otherwise it asks them.
     Find,
     /// It stops them at once: all other adapters of this make were asked.
     Stop,
@@ -229,7 +229,7 @@ impl Attempt<'_> {
         let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
         for candidate in candidates {
             match self
-                .open_as_detected(generation, candidate, LeftHere::Find)
+                .open_as_detected(generation, candidate, LeftHere::Find, self.is_only)
                 .await?
             {
                 Err(error) => failure = error,
@@ -262,8 +262,16 @@ impl Attempt<'_> {
             } else {
                 LeftHere::Leave
             };
-            match self.open_as_detected(generation, candidate, left).await? {
-                Ok(_) => {
+            match self
+                .open_as_detected(generation, candidate, left, true)
+                .await?
+            {
+                Ok(opened) => {
+                    if opened.left == LeftOnTrial::Asked
+                        && left_motor_turns(self.shared, opened.generation).await?
+                    {
+                        self.stop_left();
+                    }
                     self.settle();
                     return Ok(None);
                 }
@@ -275,13 +283,14 @@ impl Attempt<'_> {
 
     /// Opens one port on trial. If motors were left driven on an adapter of this make, it opens for their model, and they
     /// are the first that are asked or stopped. Else it opens for the model that its motors answer as, if detection is on.
-    /// If it is off, or no motor answers, it opens for the model that the person has chosen, and asks or stops the
-    /// left-driven motors again if they are of that model and this is the only candidate.
+    /// If it is off, or no motor answers, it opens for the model that the person has chosen. Left-driven motors of a like
+    /// model are then asked or stopped again if the port `stays_open`, or if they have answered by now.
     async fn open_as_detected(
         self,
         mut generation: u32,
         candidate: PortRef,
         left: LeftHere,
+        stays_open: bool,
     ) -> Result<Result<Opened, ConnectError>, Superseded> {
         let shared = self.shared;
         if !self.claim(generation, candidate).await? {
@@ -301,7 +310,7 @@ impl Attempt<'_> {
             let here = match trial.left {
                 LeftMotors::Stop if !is_last => left,
                 LeftMotors::Stop
-                    if (has_answered || self.is_only)
+                    if (has_answered || stays_open)
                         && left_model().is_some_and(|left| left.is_like(trial.model)) =>
                 {
                     LeftHere::Find

@@ -158,8 +158,9 @@ async fn a_motor_left_driven_that_does_not_answer_does_not_hide_the_others() {
         .await;
 }
 
-/// A worker opens the port of a motor that another one has left driven, on a line that is dead.
-async fn left_driven_on_a_dead_line() -> (Bench, MockPort) {
+/// A worker opens the port of a motor that another one has left driven, on a line that is dead. Beside it, there are ports
+/// of these makes without a motor.
+async fn left_driven_on_a_dead_line(others: &[Option<UsbId>]) -> (Bench, MockPort) {
     let bench = Bench::new();
     let port = bench.port(CH340, &[1]);
     driving(&bench, &port).await;
@@ -169,6 +170,10 @@ async fn left_driven_on_a_dead_line() -> (Bench, MockPort) {
     let port = bench.port_to(CH340, port.world.clone());
     set_line(&bench, &port, LineCondition::Dead);
     bench.plug(&port);
+    for make in others {
+        let other = bench.port(*make, &[]);
+        bench.plug(&other);
+    }
     bench.connect_left(&[1]);
     (bench, port)
 }
@@ -181,7 +186,7 @@ fn set_line(bench: &Bench, port: &MockPort, condition: LineCondition) {
 /// The line is good again when the model is looked for.
 #[wasm_bindgen_test]
 async fn a_motor_left_driven_that_answers_late_is_stopped() {
-    let (bench, port) = left_driven_on_a_dead_line().await;
+    let (bench, port) = left_driven_on_a_dead_line(&[]).await;
     bench
         .until("the stop", |bench| !stops_left_driven(bench).is_empty())
         .await;
@@ -198,9 +203,9 @@ async fn a_motor_left_driven_that_answers_late_is_stopped() {
     bench.until_connected().await;
 }
 
-#[wasm_bindgen_test]
-async fn a_motor_left_driven_that_answers_when_its_port_is_open_is_stopped() {
-    let (bench, port) = left_driven_on_a_dead_line().await;
+/// The line is good again once the port is open.
+async fn it_is_stopped_when_its_port_is_open(others: &[Option<UsbId>]) {
+    let (bench, port) = left_driven_on_a_dead_line(others).await;
     bench.until_connected().await;
     assert!(port.speed(1) > 90.0);
     set_line(&bench, &port, LineCondition::Good);
@@ -212,6 +217,16 @@ async fn a_motor_left_driven_that_answers_when_its_port_is_open_is_stopped() {
             stops_left_driven(bench).last() == Some(&vec![(ONE, true)])
         })
         .await;
+}
+
+#[wasm_bindgen_test]
+async fn a_motor_left_driven_that_answers_when_its_port_is_open_is_stopped() {
+    it_is_stopped_when_its_port_is_open(&[]).await;
+}
+
+#[wasm_bindgen_test]
+async fn beside_an_adapter_of_another_make_it_is_stopped_too() {
+    it_is_stopped_when_its_port_is_open(&[None]).await;
 }
 
 #[wasm_bindgen_test]
