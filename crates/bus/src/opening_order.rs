@@ -29,7 +29,7 @@ pub enum Awaited {
     Reply,
     /// Replies of the model.
     Model,
-    /// None: this is the last trial.
+    /// Nothing: this is the last trial.
     Nothing,
 }
 

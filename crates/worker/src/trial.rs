@@ -20,7 +20,7 @@ const TRIAL_STEP: Duration = Duration::from_millis(20);
 /// Another port state has begun meanwhile, so this task ends.
 pub(crate) struct Superseded;
 
-/// Waits until the port on trial shows what keeps it open; `None` if it does not.
+/// Waits for what the trial of the port awaits. Returns the model that replies show; `None` if they show none in time.
 pub(crate) async fn awaited(
     shared: &Shared,
     generation: u32,

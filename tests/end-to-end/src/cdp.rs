@@ -335,6 +335,16 @@ pub fn at<'a>(reply: &'a Value, pointer: &str) -> &'a Value {
     reply.pointer(pointer).unwrap_or(&Value::Null)
 }
 
+/// The IDs of targets, of a reply to `Target.getTargets`.
+pub fn target_ids(reply: &Value) -> Vec<String> {
+    let targets = at(reply, "/targetInfos").as_array();
+    let ids = targets
+        .into_iter()
+        .flatten()
+        .filter_map(|target| at(target, "/targetId").as_str());
+    ids.map(str::to_owned).collect()
+}
+
 /// The text at a JSON pointer.
 fn text_at(reply: &Value, pointer: &str) -> Result<String> {
     let text = at(reply, pointer).as_str();

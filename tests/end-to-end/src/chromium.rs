@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 use crate::adapter::Usb;
 use crate::artefacts;
-use crate::cdp::{Connection, Session, at};
+use crate::cdp::{Connection, Session, target_ids};
 use crate::retry::retry;
 use crate::wait::{WAIT_MAX, wait_until};
 
@@ -149,13 +149,7 @@ impl Chromium {
     /// The IDs of its tabs.
     fn tabs(&self) -> Result<Vec<String>> {
         let pages = json!({ "filter": [{ "type": "page" }] });
-        let targets = self.call("Target.getTargets", pages)?;
-        let targets = at(&targets, "/targetInfos").as_array();
-        let ids = targets
-            .into_iter()
-            .flatten()
-            .filter_map(|target| at(target, "/targetId").as_str());
-        Ok(ids.map(str::to_owned).collect())
+        Ok(target_ids(&self.call("Target.getTargets", pages)?))
     }
 }
 

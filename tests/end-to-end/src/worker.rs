@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow};
 use serde_json::json;
 
-use crate::cdp::{Session, at};
+use crate::cdp::{Session, target_ids};
 use crate::page::Page;
 
 impl Page {
@@ -47,12 +47,7 @@ impl Page {
     fn workers(&self) -> Result<Vec<String>> {
         // From the page's own session: the browser's session lists the workers of all pages.
         let filter = json!({ "filter": [{ "type": "worker" }] });
-        let targets = self.session.call("Target.getTargets", filter)?;
-        let targets = at(&targets, "/targetInfos").as_array();
-        let ids = targets
-            .into_iter()
-            .flatten()
-            .filter_map(|target| at(target, "/targetId").as_str());
-        Ok(ids.map(str::to_owned).collect())
+        let workers = self.session.call("Target.getTargets", filter)?;
+        Ok(target_ids(&workers))
     }
 }

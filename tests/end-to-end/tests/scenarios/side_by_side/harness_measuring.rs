@@ -43,13 +43,16 @@ fn a_long_task_and_what_a_page_measures_are_noted_once() -> Result<()> {
 fn the_memory_of_a_worker_is_known_with_that_of_its_program() -> Result<()> {
     let bench = bench()?;
     let page = bench.open("/")?;
-    // The worker is there before its script has run.
-    let small = wait_until("the worker to have its memory", WAIT_MAX, || {
+    // The worker is there before its script has run, and frees later what it needed only to start.
+    let mut before = None;
+    let small = wait_until("the worker to have started", WAIT_MAX, || {
         let memory = page.memory_of_worker("port")?;
-        Ok(if memory.wasm == 0 {
-            Err(format!("{memory:?}"))
-        } else {
+        let is_at_rest = memory.wasm > 0 && before == Some(memory);
+        before = Some(memory);
+        Ok(if is_at_rest {
             Ok(memory)
+        } else {
+            Err(format!("{memory:?}"))
         })
     })?;
     assert_eq!(small.wasm, 3 * 65_536);
