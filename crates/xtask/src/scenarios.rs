@@ -7,6 +7,7 @@ use std::process::Command;
 use std::thread;
 
 use anyhow::{Context, Result, bail};
+use serde_json::Value;
 
 use crate::bench::{self, Speed};
 use crate::browser::{self, Browser};
@@ -40,15 +41,18 @@ fn run(workspace: &Workspace, selected: &[&str], at_once: usize) -> Result<()> {
     bench::ensure_linux()?;
     let browser = browser::ensure()?;
     let axe = npm::AXE.ensure()?;
+    let program = noted_program(workspace)?;
     let retries = Retries::none_yet(workspace)?;
     let run = |selected: &[&str], at_once: usize| {
-        let mut cargo = command(workspace, &browser, Speed::QuickToBuild);
-        cargo.env("MOTORLINK_AXE", &axe);
-        cargo.env("MOTORLINK_RETRIES", &retries.file);
-        cargo.arg("--").args(selected);
-        cargo.arg(format!("--test-threads={at_once}"));
+        let mut program = Command::new(&program);
+        program.current_dir(workspace.root().join("tests/end-to-end"));
+        bench::set_paths(&mut program, workspace, &browser, Speed::QuickToBuild);
+        program.env("MOTORLINK_AXE", &axe);
+        program.env("MOTORLINK_RETRIES", &retries.file);
+        program.args(selected);
+        program.arg(format!("--test-threads={at_once}"));
         let mut failed = Vec::new();
-        let result = process::run_with_lines(&mut cargo, |line| {
+        let result = process::run_with_lines(&mut program, |line| {
             failed.extend(failed_test(line).map(str::to_owned));
         });
         (result, failed)
@@ -64,6 +68,34 @@ fn run(workspace: &Workspace, selected: &[&str], at_once: usize) -> Result<()> {
     // After a failure too: the retries may explain it.
     let within = retries.summarise();
     passed.and(within)
+}
+
+/// Notes which file is the program of the scenarios. The steps that run them need no cargo then, which waits where it builds
+/// something else.
+pub fn note_program(workspace: &Workspace) -> Result<()> {
+    let args = ["--no-run", "--test", "scenarios", "--message-format=json"];
+    let messages = process::output(&mut cargo::native(workspace, "test", &args))?;
+    let program = messages.lines().find_map(program_in);
+    let program = program.context("cargo has built no program of the scenarios")?;
+    let file = note(workspace);
+    fs::write(&file, program).with_context(|| format!("writing {}", file.display()))
+}
+
+fn noted_program(workspace: &Workspace) -> Result<String> {
+    let file = note(workspace);
+    fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))
+}
+
+fn note(workspace: &Workspace) -> PathBuf {
+    workspace.target().join("scenarios-program")
+}
+
+/// The path of the program in a message of cargo.
+fn program_in(message: &str) -> Option<String> {
+    let message: Value = serde_json::from_str(message).ok()?;
+    let is_program = message.pointer("/target/name")? == "scenarios";
+    let program = message.pointer("/executable")?.as_str();
+    Some(program.filter(|_| is_program)?.to_owned())
 }
 
 /// The cargo command of all scenarios; arguments that select some of them follow `--`.
@@ -147,6 +179,23 @@ mod tests {
             assert_eq!(retries.summarise().is_ok(), is_good, "{count}");
             fs::remove_file(&retries.file).unwrap();
         }
+    }
+
+    #[test]
+    fn the_program_of_the_scenarios_is_named() {
+        let message = |name, program: Value| {
+            let target = serde_json::json!({ "name": name });
+            serde_json::json!({ "target": target, "executable": program }).to_string()
+        };
+        let named = |text: String| program_in(&text);
+        let path = Some("/target/scenarios-1".to_owned());
+        assert_eq!(
+            named(message("scenarios", "/target/scenarios-1".into())),
+            path
+        );
+        assert_eq!(named(message("command", "/target/command-1".into())), None);
+        assert_eq!(named(message("scenarios", Value::Null)), None);
+        assert_eq!(named("{\"reason\":\"build-finished\"}".to_owned()), None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::env;
 use std::fmt;
 use std::fs;
+use std::iter;
 use std::path::PathBuf;
 use std::process::Command;
 use std::thread;
@@ -147,15 +148,7 @@ impl Suite {
                 continue;
             }
             println!("\n=== {}: {}", step.name, step.about);
-            let is_beside = |other: &&&Step| other.beside == Some(step.name);
-            let beside = selected.iter().filter(is_beside);
-            let beside: Vec<&str> = beside.map(|step| step.name).collect();
-            thread::scope(|scope| {
-                let others = scope.spawn(|| self.run_beside(&beside));
-                ended.push(Ended::after(step.name, || (step.run)(workspace)));
-                let others = others.join();
-                ended.extend(others.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            });
+            ended.extend(self.run_with_others(selected, step, &|| (step.run)(workspace)));
             if ended.iter().any(|ended| ended.result.is_err()) {
                 break;
             }
@@ -174,14 +167,35 @@ impl Suite {
             })
     }
 
-    /// Runs steps one after the other at low priority; prints what each printed once it has ended.
-    fn run_beside(&self, names: &[&'static str]) -> Vec<Ended> {
-        let run = |name| {
-            let program = env::current_exe().context("no program to run beside this one")?;
-            process::run_captured(low_priority(program).args([self.name, "--only", name]))
+    /// Runs a step by `run`, and meanwhile those that are beside it, one after the other.
+    fn run_with_others(
+        &self,
+        selected: &[&Step],
+        step: &Step,
+        run: &dyn Fn() -> Result<()>,
+    ) -> Vec<Ended> {
+        let others = || -> Vec<Ended> {
+            let beside = selected
+                .iter()
+                .filter(|other| other.beside == Some(step.name));
+            let run = |other: &&Step| {
+                self.run_with_others(selected, other, &|| self.run_captured(other.name))
+            };
+            beside.flat_map(run).collect()
         };
-        let ended = names.iter().map(|name| Ended::after(name, || run(name)));
-        ended.collect()
+        thread::scope(|scope| {
+            let others = scope.spawn(others);
+            let own = Ended::after(step.name, run);
+            let others = others.join();
+            let others = others.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            iter::once(own).chain(others).collect()
+        })
+    }
+
+    /// Runs a step at low priority, and prints what it printed once it has ended.
+    fn run_captured(&self, name: &str) -> Result<()> {
+        let program = env::current_exe().context("no program to run beside this one")?;
+        process::run_captured(low_priority(program).args([self.name, "--only", name]))
     }
 }
 

@@ -84,7 +84,8 @@ pub static SUITE: Suite = Suite {
             name: "python-package",
             about: "the Python package: its wheel, its tests on virtual motors, and its examples",
             needs: &[],
-            beside: Some("wasm"),
+            // Both wait for virtual motors more than they compute.
+            beside: Some("native"),
             on_request: false,
             run: python::test_package,
         },
@@ -102,11 +103,9 @@ pub static SUITE: Suite = Suite {
             needs: &[],
             beside: Some("end-to-end"),
             on_request: true,
-            run: |workspace| {
-                let mut check = suite::idle_program()?;
-                // In its own folder: cargo lets nobody else use one in which it builds.
-                check.env("CARGO_TARGET_DIR", workspace.target().join("checks"));
-                process::run(check.arg("check"))
+            run: |_| {
+                // The scenarios do not call cargo, so that it can use the folder in which it builds.
+                process::run(suite::idle_program()?.arg("check"))
             },
         },
         Step {
@@ -128,7 +127,8 @@ fn build(workspace: &Workspace) -> Result<()> {
     // The tests have built the virtual motor. This is the library that shows Chromium its serial line; any other package
     // with it would be compiled once more, without the features that only tests need.
     let shim = ["build", "--package", "udev-shim"];
-    process::run(&mut cargo::command(workspace, &shim))
+    process::run(&mut cargo::command(workspace, &shim))?;
+    scenarios::note_program(workspace)
 }
 
 #[cfg(test)]
