@@ -161,11 +161,12 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let style = files.add_hashed("style", "css", minify::css(&parts.style).as_bytes());
     let installed = files.add_hashed("installed", "js", parts.installed.as_bytes());
     let index = fill(
-        &parts.index,
+        &minify::html(&parts.index),
         &[
             ("worker", &worker_boot),
             ("recorder", &recorder_boot),
             ("sessions", &sessions_boot),
+            ("remote", &remote_boot),
             ("german", &german),
             ("chinese", &chinese),
             ("style", &style),
