@@ -24,7 +24,7 @@ use crate::workspace::Workspace;
 const PAGE: [&str; 5] = ["app", "features", "model", "link", "ui"];
 
 /// The crates, from the top down. Those of one row do not use each other.
-const CRATES: [&[&str]; 11] = [
+const CRATES: [&[&str]; 12] = [
     &["motorlink-fuzz-checks", "end-to-end", "xtask"],
     &["motorlink"],
     &["motorlink-python"],
@@ -33,12 +33,14 @@ const CRATES: [&[&str]; 11] = [
         "motorlink-command",
         "motorlink-fault-simulation",
     ],
+    &["motorlink-remote-server"],
     &["motorlink-driver"],
     &["motorlink-session"],
     &[
         "motorlink-recorder",
         "motorlink-runs",
         "motorlink-kept-runs",
+        "motorlink-remote",
     ],
     &["motorlink-messages", "motorlink-diagnosis"],
     &[
