@@ -8,13 +8,14 @@
 
 use leptos::{prelude::*, wasm_split::SplitLoaderError};
 use motorlink_i18n::load_later_texts;
+use wasm_bindgen::JsCast;
 
 use crate::{
     app::{
         features::Features,
         focus,
         later_panel::{LaterPanel, Load, later_panel},
-        mount::{Hosts, Mounted},
+        mount::{Hosts, Mounted, mount},
         question_dialog::QuestionDialog,
         rail::Rail,
         replay, rescue,
@@ -35,6 +36,7 @@ use crate::{
         packet_log::PacketLog,
         raw::view::RawHexPanel,
         recording::Recording,
+        remote::view::RemoteGroup,
         rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
         session_file::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
@@ -49,7 +51,7 @@ use crate::{
             panel::WheelSetupSteps,
         },
     },
-    model::later_notices,
+    model::{later_notices, page::Page},
 };
 
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
@@ -165,6 +167,7 @@ in_part!(desk: fn mount_desk(hosts, features) [
             <TurningAlert />
         }
     }),
+    remote_group(&hosts.owner, features.page),
 ]);
 
 in_part!(tools: fn mount_tools(hosts, features) [
@@ -247,6 +250,13 @@ in_part!(experiments: fn mount_experiments(hosts, features) [{
 in_part!(help: fn mount_help(hosts, features) [
     hosts.mount(move || view! { <HelpDialog tour=features.tour /> }),
 ]);
+
+/// The group `Remote` in the header of a page that comes from a server.
+fn remote_group(owner: &Owner, page: Page) -> Option<Mounted> {
+    let header = document().query_selector(":root[data-remote] .header-rest");
+    let header = header.ok()??.dyn_into().ok()?;
+    Some(owner.with(|| mount(&header, move || view! { <RemoteGroup page /> })))
+}
 
 fn settings_panel(features: Features) -> impl IntoView {
     let install = Box::leak(Box::new(InstallButton {

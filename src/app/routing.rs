@@ -88,8 +88,11 @@ impl Features {
         // Before a lost connection clears them.
         self.readings.keep_samples(update);
         self.readings.feed_twin(update);
-        if update.connection != before {
+        if !update.connection.is_same_line(before) {
             self.connection_changed(before, update.connection);
+        } else if update.connection != before {
+            // It was asked of the operator that this page is no more, or not again.
+            self.page.withdraw_question();
         }
         for notice in &update.notices {
             self.notice(update.now, notice);

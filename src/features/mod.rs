@@ -17,6 +17,7 @@ pub(crate) mod notices;
 pub(crate) mod packet_log;
 pub mod raw;
 pub(crate) mod recording;
+pub(crate) mod remote;
 pub(crate) mod rover;
 pub(crate) mod saved_session;
 pub(crate) mod session_file;

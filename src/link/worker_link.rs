@@ -105,6 +105,11 @@ impl WorkerLink {
         self.worker.hand_over(port);
     }
 
+    /// Posts it the port of the group `Remote`, behind an empty message.
+    pub(crate) fn hand_over_group(&self, port: &MessagePort) {
+        self.worker.post_with(&[], &[], &[port.into()]);
+    }
+
     /// Terminates it: it sends no more frames, and no message of it arrives.
     pub(crate) fn end(&self) {
         self.worker.end();

@@ -50,6 +50,7 @@ pub(crate) fn blocked_by_silence(session: &Session, id: MotorId) -> Option<Strin
 fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
     match connection {
         Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
+        Connection::Connected(Adapter::Watched) => Some(tr!("Take control first.")),
         Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
             Some(tr!("Not connected. Press Connect motor or Virtual motor."))

@@ -75,7 +75,7 @@ pub(crate) fn of_update(before: &Session, update: &Update, names: &NamesAndSides
 }
 
 fn of_connection(before: Connection, after: Connection) -> Option<Line> {
-    if before == after {
+    if after.is_same_line(before) {
         return None;
     }
     match after {

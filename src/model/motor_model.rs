@@ -29,7 +29,10 @@ pub(crate) fn found(session: &Session, chosen: Model) -> Option<Model> {
 /// Why no other model can be chosen now.
 pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
     match session.connection {
-        Connection::Disconnected | Connection::Failed(_) => None,
+        // The page of a server does not show the choice.
+        Connection::Disconnected
+        | Connection::Failed(_)
+        | Connection::Connected(Adapter::Remote | Adapter::Watched) => None,
         Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
         Connection::Connected(Adapter::Virtual(_)) => {
             Some(tr!("Virtual motors have a model of their own."))

@@ -409,6 +409,7 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
         StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
         StopReason::PageSilent => tr!("The page did not respond for 1 s."),
+        StopReason::OperatorLost => tr!("Remote control ended."),
         StopReason::ComputerSlept => tr!("The computer slept; motors were stopped."),
         StopReason::LoopDelayed => {
             tr!("The computer was too busy; motors were stopped.")

@@ -234,7 +234,8 @@ impl Bus {
 }
 
 /// Whether a setpoint asks for rest. It does not wait for the next period.
-pub(crate) fn is_rest(setpoint: Setpoint) -> bool {
+#[must_use]
+pub fn is_rest(setpoint: Setpoint) -> bool {
     match setpoint {
         Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
         Setpoint::Current(current) => current.raw() == 0,

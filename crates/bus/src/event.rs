@@ -126,6 +126,8 @@ pub enum StopReason {
     OtherModel,
     /// The motors were driven when an earlier connection ended: see [`Bus::stop_first`](crate::Bus::stop_first).
     LeftDriven,
+    /// The page that drove over a network has lost or given up control.
+    OperatorLost,
 }
 
 /// Why the bus withdrew a setpoint.

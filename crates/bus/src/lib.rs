@@ -97,6 +97,7 @@ pub use command::{COMMAND_AGE_MAX, Command, Consent};
 pub use command_kind::CommandKind;
 pub use commanded::{CommandedValue, commanded, commanded_setpoint};
 pub use counters::{Counters, LinkQuality};
+pub use driving::is_rest;
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
 pub use group::setpoints::{GroupError, GroupSetpoints};
 pub use id_change::outcome::{IdChangeOutcome, SetIdFrames};

@@ -14,6 +14,7 @@ use crate::{
     experiment::arguments::{Property, RunHow, parameters_of},
     parsers::{Assignment, assignable, assignment, frame, hertz, ramp, rate, seconds},
     replay::arguments::Replay,
+    serve::arguments::Serve,
     session::arguments::SessionAction,
     signed_id::SignedId,
     wizard::arguments::Wizard,
@@ -41,6 +42,7 @@ Examples:
   motorlink set-id --new 2                       give the only motor on the bus another ID
   motorlink wizard --count 4                     give four motors the IDs 1 to 4, one after the other
   motorlink monitor --csv > telemetry.csv
+  motorlink serve --listen 0.0.0.0               drive from the browser of another computer, by the printed link
   motorlink doctor --rpm 60                      what is wrong with the line, at rest and while the wheel turns
   motorlink step to_rpm=120 --out results        figures of the speed loop, and a report
 
@@ -130,6 +132,8 @@ pub enum Action {
     },
     /// Give the motors of a rover their IDs, one after the other, and find out which wheel each of them turns
     Wizard(Wizard),
+    /// Serve the page on the network: it watches and drives the motors of this computer
+    Serve(Serve),
     /// Send ten bytes as they are, or nine with their CRC added, and show the answer
     Raw {
         /// Bytes in hex, such as "01 74 00 00 00 00 00 00 00"

@@ -24,6 +24,7 @@ mod recording;
 mod replay;
 mod scan;
 mod screen;
+mod serve;
 mod session;
 mod set_id;
 #[cfg(unix)]
@@ -143,6 +144,7 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
             experiment::run(&global, asked, &how, ender)
         }
         Action::Replay(how) => replay::run(&global, &how, ender),
+        Action::Serve(how) => serve::run(&global, how, ender),
         Action::Record { file, secs } => record::run(&global, &file, secs, ender),
         // They need no line.
         Action::Session { .. } | Action::Completions { .. } | Action::Man { .. } => Ok(()),

@@ -15,6 +15,7 @@ mod program;
 mod replay;
 mod ros2_files;
 mod serial_port;
+mod serve;
 mod session_files;
 mod terminal;
 mod tools;

@@ -7,20 +7,23 @@ use motorlink_protocol::Instant;
 
 /// A clock that begins a second after [`Instant::ZERO`], so that a moment just before it can be told.
 #[derive(Debug)]
-pub(crate) struct Clock {
+pub struct Clock {
     began: std::time::Instant,
     awake: AwakeClock,
 }
 
 impl Clock {
-    pub(crate) fn new() -> Self {
+    /// A new clock.
+    #[must_use]
+    pub fn new() -> Self {
         Self {
             began: std::time::Instant::now(),
             awake: AwakeClock::default(),
         }
     }
 
-    pub(crate) fn now(&mut self) -> Instant {
+    /// The time.
+    pub fn now(&mut self) -> Instant {
         let monotonic = self.began.elapsed() + Duration::from_secs(1);
         let wall = SystemTime::now().duration_since(UNIX_EPOCH);
         let wall = wall.unwrap_or_default();
@@ -28,5 +31,11 @@ impl Clock {
         let now = self.awake.read(ms(monotonic), ms(wall)) / 1000.0;
         let now = Duration::try_from_secs_f64(now).unwrap_or(monotonic);
         Instant::ZERO + now
+    }
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self::new()
     }
 }

@@ -174,6 +174,11 @@ impl Commander {
     pub fn command(&self, command: Command) {
         let _ = self.0.send(Input::Command(command).into());
     }
+
+    /// See [`Driver::run`].
+    pub fn run(&self, message: ToRun) {
+        let _ = self.0.send(Input::Run(Box::new(message)).into());
+    }
 }
 
 impl Drop for Driver {

@@ -36,6 +36,7 @@ mod runs;
 mod serial_line;
 mod this_computer;
 
+pub use clock::Clock;
 pub use computer::Computer;
 pub use driven_file::{DrivenFile, NoFile, Store};
 pub use driver::{Commander, Driver, Next, run_on};

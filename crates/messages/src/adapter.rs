@@ -15,6 +15,10 @@ pub enum Adapter {
     Serial(Option<UsbId>),
     /// A recorded session that is replayed: no port is open, and no command is sent.
     Recording,
+    /// The motors of a server, over a network. This page may drive them.
+    Remote,
+    /// The same, and this page only watches.
+    Watched,
 }
 
 impl Adapter {
@@ -26,7 +30,7 @@ impl Adapter {
     pub const fn virtual_line(self) -> Option<VirtualLine> {
         match self {
             Self::Virtual(line) => Some(line),
-            Self::Serial(_) | Self::Recording => None,
+            Self::Serial(_) | Self::Recording | Self::Remote | Self::Watched => None,
         }
     }
 }
@@ -81,6 +85,7 @@ impl fmt::Display for Adapter {
         match self {
             Self::Virtual(_) => f.write_str("Virtual motor"),
             Self::Recording => f.write_str("Recording"),
+            Self::Remote | Self::Watched => f.write_str("Remote"),
             Self::Serial(None) => f.write_str("Serial port"),
             Self::Serial(Some(usb)) => match usb.chip() {
                 Some(chip) => write!(f, "{chip} · {usb}"),

@@ -15,7 +15,9 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 mod adapter;
 mod awake_clock;
 mod left_behind;
+mod outbox;
 pub mod recorder;
+pub mod remote;
 pub mod runs;
 pub mod sessions;
 pub mod stored_state;
@@ -28,6 +30,7 @@ pub use left_behind::{Damaged, LeftBehind, NamedInFile};
 pub use motorlink_bus as bus;
 pub use motorlink_experiments as experiments;
 pub use motorlink_protocol as protocol;
+pub use outbox::Outbox;
 pub use virtual_line::{VirtualLine, VirtualMotors};
 pub use virtual_wire::VirtualWire;
 
@@ -189,6 +192,19 @@ pub enum Connection {
 }
 
 impl Connection {
+    /// Whether this is the same state of the same line. Whether this page drives the motors of a server or watches them
+    /// makes no difference.
+    #[must_use]
+    pub fn is_same_line(self, other: Self) -> bool {
+        let is_remote = |connection| {
+            matches!(
+                connection,
+                Self::Connected(Adapter::Remote | Adapter::Watched)
+            )
+        };
+        self == other || is_remote(self) && is_remote(other)
+    }
+
     /// The virtual line that is open.
     #[must_use]
     pub const fn virtual_line(self) -> Option<VirtualLine> {

@@ -21,7 +21,6 @@
 //! | `forwarding` | forwards the events of the bus to the page |
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
-//! | `outbox` | updates to the page, at most one per frame of the screen |
 //! | `recorder_request` | requests of the session worker to the recorder |
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
@@ -29,6 +28,8 @@
 //! | `runs` | the runs of experiments: a program of its own, which the port worker loads and calls |
 //! | `recorder` | the second worker: `motorlink-recorder` in the browser |
 //! | `sessions` | the third worker: `motorlink-session` in the browser |
+//! | `remote` | the worker of a page that comes from a server: it connects page and server |
+//! | `page_clock` | the clock of the page, as a worker knows it |
 //! | `turn_scheduler` | the turns of a worker with much to do |
 //! | `local_time` | the local time of the browser |
 //! | `blob_parts` | files that are written part by part |
@@ -46,11 +47,12 @@ mod line_errors;
 mod local_time;
 #[cfg(test)]
 mod mock_serial;
-mod outbox;
+mod page_clock;
 mod port_owner;
 mod port_state;
 mod recorder;
 mod recorder_request;
+mod remote;
 mod runs;
 mod scope;
 mod serial;
@@ -79,6 +81,12 @@ pub fn start_recorder() {
 pub fn start_sessions() {
     on_panic(sessions::died);
     sessions::start();
+}
+
+/// Starts the worker that connects the page to the server that it comes from. Called in the scope of a dedicated worker.
+pub fn start_remote() {
+    on_panic(|| scope::post(&ToPage::Died));
+    remote::start();
 }
 
 /// Handles an input of the port worker in the program of the runs: see `runs`.

@@ -3,7 +3,7 @@
 use std::{cell::RefCell, rc::Rc};
 
 use motorlink_bus::{Bus, BusSettings, Event, Output};
-use motorlink_messages::{LeftBehind, ModelChoice, Notice, VirtualLine};
+use motorlink_messages::{LeftBehind, ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use web_sys::MessagePort;
@@ -14,10 +14,10 @@ use crate::{
     forwarding::forward,
     left::Left,
     line::Line,
-    outbox::{CurrentState, Outbox},
+    page_clock::PageClock,
     port_state::{AfterClosing, PortState, Stage},
     runs::host::Runs,
-    scope::Clock,
+    scope::{Clock, post, posted},
     traffic::TrafficQueue,
 };
 
@@ -44,8 +44,7 @@ pub(crate) struct PortOwner {
     pub(crate) left: Left,
     /// Whether the page was told that what is driven cannot be remembered.
     told_not_remembered: bool,
-    /// How far our clock is ahead of the page's, by the message with the least delay so far.
-    ahead_of_page_ms: f64,
+    page_clock: PageClock,
 }
 
 /// The handle that the browser's callbacks share.
@@ -67,7 +66,7 @@ impl PortOwner {
             runs: Runs::default(),
             left: Left::default(),
             told_not_remembered: false,
-            ahead_of_page_ms: f64::INFINITY,
+            page_clock: PageClock::default(),
         }
     }
 
@@ -186,7 +185,10 @@ impl PortOwner {
                         self.runs.taken = self.clock.now();
                     }
                     Output::Transmit(_) => open.bus.transmit_failed(),
-                    Output::Event(Event::PingPage) => self.outbox.ping(now),
+                    Output::Event(Event::PingPage) => {
+                        post(&ToPage::Ping);
+                        self.outbox.pinged(now);
+                    }
                     // Events of a port on trial too: the log shows all traffic.
                     Output::Event(Event::Line(traffic)) => self.traffic.push(traffic),
                     // The page knows that nothing answers.
@@ -213,9 +215,9 @@ impl PortOwner {
             self.traffic.send(now);
         }
         if self.outbox.due(now).is_some_and(|due| due <= now) {
-            let current = self.current_state(now);
-            let update = self.outbox.send(now, current);
-            self.traffic.send_state(&update);
+            let mut update = self.current_state(now);
+            self.outbox.fill(&mut update);
+            self.traffic.send_state(&posted(&ToPage::Update(update)));
         }
         let outbox_due = self.outbox.due(now);
         let traffic_due = self.traffic.due();
@@ -227,20 +229,17 @@ impl PortOwner {
         left
     }
 
-    fn current_state(&self, now: Instant) -> CurrentState {
-        let bus = match &self.port {
-            PortState::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => {
-                Some(&open.bus)
-            }
-            _ => None,
-        };
-        CurrentState {
-            connection: self.port.connection(),
-            halted: self.halted,
-            motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
-            job: bus.and_then(Bus::job),
-            raw: bus.and_then(Bus::raw),
-            line: bus.map(|bus| bus.line_status(now)),
+    fn current_state(&self, now: Instant) -> Update {
+        let mut update = Update::without_motors(now, self.port.connection());
+        update.halted = self.halted;
+        if let PortState::Open(open) = &self.port
+            && !matches!(open.stage, Stage::OnTrial { .. })
+        {
+            update.motors = open.bus.motors(now).collect();
+            update.job = open.bus.job();
+            update.raw = open.bus.raw();
+            update.line = Some(open.bus.line_status(now));
         }
+        update
     }
 }

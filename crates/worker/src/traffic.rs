@@ -60,8 +60,7 @@ impl TrafficQueue {
         for traffic in self.waiting.drain(..) {
             push_traffic(&mut buffer, &traffic);
         }
-        let array = Uint8Array::from(buffer.as_slice());
-        post(port, &array, &array);
+        send_encoded(port, &buffer);
         self.last_sent = now;
     }
 
@@ -69,10 +68,21 @@ impl TrafficQueue {
     /// are. Before the recorder has started it is lost.
     pub(crate) fn send_state(&self, update: &[u8]) {
         if let Some(port) = &self.port {
-            let array = Uint8Array::from(update);
-            post(port, &array.buffer(), &array);
+            send_state(port, update);
         }
     }
+}
+
+/// Posts line events to the recorder, encoded.
+pub(crate) fn send_encoded(port: &MessagePort, events: &[u8]) {
+    let array = Uint8Array::from(events);
+    post(port, &array, &array);
+}
+
+/// Posts the bytes of an update to the recorder.
+pub(crate) fn send_state(port: &MessagePort, update: &[u8]) {
+    let array = Uint8Array::from(update);
+    post(port, &array.buffer(), &array);
 }
 
 /// Posts a message, and transfers the buffer of this array.

@@ -24,8 +24,8 @@ const PAGE_OF_CARGO: &str = "page";
 
 /// The programs that a browser loads, by the stem of their files: what a person sees, the worker that owns the port, the
 /// one that keeps packet log and recording, the one that writes and reads session files, and the runs of experiments in
-/// the thread of the port worker.
-pub const PROGRAMS: [&str; 5] = [PAGE, "worker", "recorder", "sessions", "runs"];
+/// the thread of the port worker; and the worker that connects the page to a server.
+pub const PROGRAMS: [&str; 6] = [PAGE, "worker", "recorder", "sessions", "runs", "remote"];
 
 /// The modules of the programs, by their names.
 pub type Programs = BTreeMap<&'static str, Module>;

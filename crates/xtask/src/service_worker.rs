@@ -64,10 +64,11 @@ fn caching_script(files: &[SiteFile]) -> Result<String> {
 }
 
 /// Whether the page needs the file. Pictures of the installation dialog and hidden files for the host are
-/// not needed.
+/// not needed, nor is what connects to a server: without the server there is nothing to connect to.
 fn is_cached(path: &Path) -> bool {
     let hidden = |part: &std::ffi::OsStr| part.to_string_lossy().starts_with('.');
-    !is_for_installing(path) && !path.iter().any(hidden)
+    let is_remote = path.to_string_lossy().starts_with("remote-");
+    !is_for_installing(path) && !is_remote && !path.iter().any(hidden)
 }
 
 /// Whether it is a picture that a browser shows in its installation dialog.

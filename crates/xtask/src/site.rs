@@ -154,6 +154,8 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         "sessions",
         &[],
     )?;
+    let remote_boot =
+        files.add_boot("remote", &parts.worker_boot, &parts.programs, "remote", &[])?;
     let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
         let stem = format!("texts-{}", language.key());
         files.add_hashed(&stem, "txt", motorlink_i18n::file(language).as_bytes())

@@ -13,6 +13,8 @@ const DRIVING: &str = "to drive";
 const BEHIND: &str = "behind the paint";
 /// when a person asks for it,
 const ASKED: &str = "when asked for";
+/// when the page comes from `motorlink serve`,
+const SERVED: &str = "from a server";
 /// or in the background, so that the page works without a network.
 const OFFLINE: &str = "for offline use";
 
@@ -21,7 +23,7 @@ const OFFLINE: &str = "for offline use";
 type Part = (&'static str, &'static str, &'static [&'static str], usize);
 
 /// Every file belongs to the first part that names it.
-const PARTS: [Part; 18] = [
+const PARTS: [Part; 19] = [
     (
         "page",
         FIRST,
@@ -59,7 +61,8 @@ const PARTS: [Part; 18] = [
     // panes of the graph with their fitted axes, the mean with its band, box and value zoom, the second cursor and the marks.
     // 3,300 are the virtual motors to try, the wiring and the recording of the first screen, 3,900 the edge, the title and
     // the tabs of the dock.
-    ("desk", BEHIND, &["desk"], 151_800),
+    // 1,500 are the group Remote of a page that comes from a server.
+    ("desk", BEHIND, &["desk"], 152_300),
     ("tools", BEHIND, &["tools"], 80_000),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
@@ -106,6 +109,8 @@ const PARTS: [Part; 18] = [
     ("session worker", ASKED, &["sessions-"], 250_400),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     ("runs", ASKED, &["runs-"], 83_900),
+    // The worker of a page that comes from `motorlink serve`, which alone sends it: the WebSocket and the messages.
+    ("remote", SERVED, &["remote-"], 39_000),
     (
         "installing",
         OFFLINE,
@@ -195,7 +200,7 @@ impl Report {
     pub fn sums(&self) -> [(&'static str, usize, usize); 3] {
         let is_first = |part: &Part| part.1 == FIRST;
         let to_drive = |part: &Part| matches!(part.1, FIRST | DRIVING);
-        let in_english = |part: &Part| !matches!(part.0, "German" | "Chinese");
+        let in_english = |part: &Part| part.1 != SERVED && !matches!(part.0, "German" | "Chinese");
         [
             (
                 "before the page can be used",

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Notice, VirtualWire};
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::MotorId;
 use motorlink_runs::{Host, Input};
 
 use super::PortOwner;
@@ -34,9 +34,7 @@ impl PortOwner {
 
     /// How long ago the person acted.
     pub(crate) fn age(&self, given_ms: f64) -> Duration {
-        // Before the first message with the page's time no port is open, so nothing can drive.
-        let age_ms = now_ms(self.now()) - self.ahead_of_page_ms - given_ms;
-        Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX)
+        self.page_clock.age(self.now(), given_ms)
     }
 
     /// Passes a message of the page to the loaded program of the runs.
@@ -137,16 +135,10 @@ impl PortOwner {
 
     pub(crate) fn page_answered(&mut self, page_ms: f64) {
         let now = self.now();
-        let ahead_ms = now_ms(now) - page_ms;
-        self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
+        self.page_clock.heard(now, page_ms);
         self.outbox.page_answered();
         if let PortState::Open(open) = &mut self.port {
             open.bus.page_answered(now);
         }
     }
-}
-
-/// A moment in milliseconds, the unit of browsers.
-fn now_ms(now: Instant) -> f64 {
-    now.since(Instant::ZERO).as_secs_f64() * 1000.0
 }

@@ -25,6 +25,7 @@ mod places;
 mod plotting;
 mod raw_frames;
 mod reflow;
+mod remote;
 mod rover;
 mod runs;
 mod scale;

@@ -1,0 +1,62 @@
+//! The command line of `motorlink serve`.
+
+use std::{
+    net::{IpAddr, SocketAddr},
+    path::PathBuf,
+    str::FromStr,
+};
+
+use clap::Args;
+
+/// What `serve` takes.
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// Address and port to listen at. 127.0.0.1 lets only this computer connect; 0.0.0.0 lets the network connect, by a
+    /// link with a token
+    #[arg(long, default_value = "127.0.0.1:8017", value_name = "ADDRESS[:PORT]")]
+    pub listen: Listen,
+    /// A further name of this computer, as browsers have it in the address. May be given more than once
+    #[arg(long = "name", value_name = "NAME")]
+    pub names: Vec<String>,
+    /// File of the token. It is created if it does not exist. Without it, each start makes a new token
+    #[arg(long, value_name = "FILE")]
+    pub token_file: Option<PathBuf>,
+    /// Folder of the page, in place of the one that this program was built with
+    #[arg(long, value_name = "FOLDER")]
+    pub page: Option<PathBuf>,
+}
+
+/// The port, if none is given.
+const PORT: u16 = 8017;
+
+/// Where to listen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Listen(pub SocketAddr);
+
+impl FromStr for Listen {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if let Ok(address) = text.parse() {
+            return Ok(Self(address));
+        }
+        let address: IpAddr = text
+            .parse()
+            .map_err(|_| "not an IP address with a port, such as 0.0.0.0:8017")?;
+        Ok(Self(SocketAddr::new(address, PORT)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_has_a_port_or_the_usual_one() {
+        let of = |text: &str| text.parse::<Listen>().map(|listen| listen.0.to_string());
+        assert_eq!(of("127.0.0.1:80"), Ok("127.0.0.1:80".to_owned()));
+        assert_eq!(of("0.0.0.0"), Ok("0.0.0.0:8017".to_owned()));
+        assert_eq!(of("::1"), Ok("[::1]:8017".to_owned()));
+        assert!(of("rover.local").is_err());
+    }
+}

@@ -1,0 +1,260 @@
+//! Who may connect: the name of the server, the origin of the page, and the token.
+
+use std::{
+    collections::BTreeMap,
+    fmt,
+    net::{IpAddr, Ipv6Addr, SocketAddr},
+    str::FromStr,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use axum::{
+    extract::Request,
+    http::{
+        HeaderMap, HeaderValue, StatusCode,
+        header::{COOKIE, HOST, LOCATION, ORIGIN, SET_COOKIE},
+    },
+    response::{IntoResponse, Response},
+};
+use percent_encoding::percent_decode_str;
+use subtle::ConstantTimeEq;
+
+/// Wrong tokens of one address in a minute. A person who copies it by hand needs fewer.
+const ATTEMPTS_MAX: u32 = 10;
+const MINUTE: Duration = Duration::from_secs(60);
+/// Addresses whose wrong tokens are counted. If there are more, every address that is not counted waits.
+const ADDRESSES_MAX: usize = 4096;
+
+/// The path of the WebSocket.
+pub(crate) const SOCKET: &str = "/motorlink";
+
+const COOKIE_NAME: &str = "motorlink-token";
+
+/// A secret of 128 bits. The link that opens the page has it.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Token([u8; 16]);
+
+impl Token {
+    /// A new one.
+    ///
+    /// # Errors
+    /// The system gives no random numbers.
+    pub fn new() -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; 16];
+        getrandom::fill(&mut bytes)?;
+        Ok(Self(bytes))
+    }
+
+    /// Compares in a time that does not depend on the difference.
+    fn is(&self, text: &str) -> bool {
+        text.parse()
+            .is_ok_and(|other: Self| self.0.ct_eq(&other.0).into())
+    }
+}
+
+impl fmt::Debug for Token {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Not in a log.
+        f.write_str("Token")
+    }
+}
+
+/// 32 hexadecimal digits.
+impl fmt::Display for Token {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// The text is not a token.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoToken;
+
+impl FromStr for Token {
+    type Err = NoToken;
+
+    fn from_str(text: &str) -> Result<Self, NoToken> {
+        let is_hex = text.len() == 32 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let number = u128::from_str_radix(text, 16).map_err(|_| NoToken)?;
+        is_hex.then_some(Self(number.to_be_bytes())).ok_or(NoToken)
+    }
+}
+
+/// The rules for connecting.
+#[derive(Clone, Debug)]
+pub struct Access {
+    listen: SocketAddr,
+    names: Arc<[String]>,
+    token: Option<Token>,
+    wrong: Arc<Mutex<BTreeMap<IpAddr, Wrong>>>,
+}
+
+/// The wrong tokens of an address.
+#[derive(Clone, Copy, Debug)]
+struct Wrong {
+    since: Instant,
+    count: u32,
+}
+
+impl Access {
+    /// The server listens at this address. Beside its IP addresses it has these names. A token is needed unless only
+    /// this computer can connect.
+    #[must_use]
+    pub fn new(listen: SocketAddr, names: Vec<String>, token: Option<Token>) -> Self {
+        Self {
+            listen,
+            names: names.into(),
+            token,
+            wrong: Arc::default(),
+        }
+    }
+
+    /// The answer to a request of this address that is not let through.
+    pub(crate) fn check(&self, address: IpAddr, request: &Request) -> Option<Response> {
+        let headers = request.headers();
+        if !self.is_host_ours(headers) {
+            return Some(refused(
+                StatusCode::FORBIDDEN,
+                "This server does not know the name in the address. Start it with --name NAME.\n",
+            ));
+        }
+        let token = self.token.as_ref()?;
+        let path = request.uri().path();
+        // The files of the page are public: the browser asks for some of them without its cookies.
+        if !matches!(path, "/" | "/index.html" | SOCKET) {
+            return None;
+        }
+        let has_cookie = has_cookie(headers, token);
+        let Some(given) = token_in(request.uri().query().unwrap_or_default()) else {
+            if has_cookie {
+                return None;
+            }
+            return Some(refused(
+                StatusCode::UNAUTHORIZED,
+                "Open the link that `motorlink serve` prints: it has the token.\n",
+            ));
+        };
+        if !has_cookie && !self.may_try(address) {
+            return Some(refused(
+                StatusCode::TOO_MANY_REQUESTS,
+                "Too many wrong tokens. Wait a minute.\n",
+            ));
+        }
+        if !token.is(&given) {
+            self.note_wrong(address);
+            return Some(refused(
+                StatusCode::UNAUTHORIZED,
+                "Wrong token. Open the link that `motorlink serve` prints.\n",
+            ));
+        }
+        Some(with_cookie(path, token))
+    }
+
+    /// Other web sites can lead a browser here by a name of their own (DNS rebinding).
+    fn is_host_ours(&self, headers: &HeaderMap) -> bool {
+        let host = headers.get(HOST).and_then(|host| host.to_str().ok());
+        host.is_some_and(|host| self.is_ours(host))
+    }
+
+    fn is_ours(&self, host: &str) -> bool {
+        let (name, port) = match host.rsplit_once(':') {
+            Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
+            _ => (host, Some(80)),
+        };
+        // Behind a proxy, `--name` is the proxy's, with its own port.
+        if self
+            .names
+            .iter()
+            .any(|ours| ours.eq_ignore_ascii_case(name))
+        {
+            return true;
+        }
+        let bare = name.trim_start_matches('[').trim_end_matches(']');
+        let is_here = match bare.parse::<IpAddr>() {
+            Ok(address) if self.listen.ip().is_loopback() => address.is_loopback(),
+            Ok(_) => true,
+            Err(_) => name.eq_ignore_ascii_case("localhost"),
+        };
+        is_here && port == Some(self.listen.port())
+    }
+
+    /// Whether a page of this server asks for the WebSocket: a page of another site may not.
+    pub(crate) fn is_own_page(headers: &HeaderMap) -> bool {
+        let text = |name| {
+            headers
+                .get(name)
+                .and_then(|value: &HeaderValue| value.to_str().ok())
+        };
+        let (Some(origin), Some(host)) = (text(ORIGIN), text(HOST)) else {
+            return false;
+        };
+        let of_origin = origin
+            .strip_prefix("http://")
+            .or_else(|| origin.strip_prefix("https://"));
+        of_origin.is_some_and(|name| name.eq_ignore_ascii_case(host))
+    }
+
+    fn may_try(&self, address: IpAddr) -> bool {
+        let mut wrong = self.wrong.lock().unwrap_or_else(PoisonError::into_inner);
+        wrong.retain(|_, wrong| wrong.since.elapsed() < MINUTE);
+        match wrong.get(&network(address)) {
+            Some(wrong) => wrong.count < ATTEMPTS_MAX,
+            None => wrong.len() < ADDRESSES_MAX,
+        }
+    }
+
+    fn note_wrong(&self, address: IpAddr) {
+        let mut wrong = self.wrong.lock().unwrap_or_else(PoisonError::into_inner);
+        let none = Wrong {
+            since: Instant::now(),
+            count: 0,
+        };
+        wrong.entry(network(address)).or_insert(none).count += 1;
+    }
+}
+
+/// A home has one IPv4 address, but 2^64 of IPv6.
+fn network(address: IpAddr) -> IpAddr {
+    match address.to_canonical() {
+        IpAddr::V6(address) => Ipv6Addr::from_bits(address.to_bits() >> 64 << 64).into(),
+        v4 @ IpAddr::V4(_) => v4,
+    }
+}
+
+fn has_cookie(headers: &HeaderMap, token: &Token) -> bool {
+    let cookies = headers.get_all(COOKIE).iter();
+    let pairs = cookies.filter_map(|value| value.to_str().ok());
+    let mut pairs = pairs.flat_map(|pairs| pairs.split(';'));
+    pairs.any(|pair| {
+        let (name, value) = pair.trim().split_once('=').unwrap_or_default();
+        name == COOKIE_NAME && token.is(value)
+    })
+}
+
+fn token_in(query: &str) -> Option<String> {
+    let pairs = query.split('&').filter_map(|pair| pair.split_once('='));
+    let mut given = pairs.filter(|(name, _)| *name == "token");
+    let (_, value) = given.next()?;
+    Some(percent_decode_str(value).decode_utf8_lossy().into_owned())
+}
+
+/// Keeps the token in the browser, and takes it out of the address.
+fn with_cookie(path: &str, token: &Token) -> Response {
+    // No script reads it, and no other site makes the browser send it.
+    let cookie = format!("{COOKIE_NAME}={token}; Path=/; HttpOnly; SameSite=Lax; Max-Age=2592000");
+    // Only a path of this server: `//other` would be another one.
+    let path = format!("/{}", path.trim_start_matches('/'));
+    let mut response = StatusCode::SEE_OTHER.into_response();
+    let headers = response.headers_mut();
+    for (name, value) in [(SET_COOKIE, cookie), (LOCATION, path)] {
+        if let Ok(value) = HeaderValue::try_from(value) {
+            headers.insert(name, value);
+        }
+    }
+    response
+}
+
+fn refused(status: StatusCode, text: &'static str) -> Response {
+    (status, text).into_response()
+}

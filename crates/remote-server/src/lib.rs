@@ -1,0 +1,22 @@
+//! Serves the page, and lets it watch and drive the motors of a driver on this computer.
+//!
+//! The program that owns the driver gives its entries to a [`Hub`] and calls [`Hub::turn`]. The hub runs on the thread
+//! that takes the entries, so the driver stops the motors if that thread stalls. The web server runs on threads of its
+//! own: a page that is slow, dead or hostile delays neither the wire nor the operator. Queues, sizes, rates and the
+//! number of pages are limited.
+//!
+//! Who may drive is decided by [`motorlink_remote::Control`]. Who may connect is decided by [`Access`]: SECURITY.md has the
+//! threat model.
+
+mod access;
+mod hub;
+mod page;
+mod server;
+mod socket;
+mod viewers;
+
+pub use access::{Access, Token};
+pub use hub::Hub;
+pub use page::Site;
+pub use server::Server;
+pub use viewers::Viewers;

@@ -1,0 +1,177 @@
+//! The web server, on threads of its own.
+
+use std::{
+    convert::Infallible,
+    fmt, io,
+    net::{IpAddr, SocketAddr},
+    sync::Arc,
+    time::Duration,
+};
+
+use axum::{
+    Router,
+    extract::{FromRequestParts, Request, State, WebSocketUpgrade},
+    http::StatusCode,
+    response::{IntoResponse, Response},
+};
+use hyper::{body::Incoming, server::conn::http1, service::service_fn};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::{
+    net::{TcpListener, TcpStream},
+    runtime::{Builder, Runtime},
+    sync::Semaphore,
+    time::sleep,
+};
+use tower_service::Service as _;
+
+use crate::{
+    access::{Access, SOCKET},
+    page::Site,
+    socket,
+    viewers::Viewers,
+};
+
+/// Files and sockets of pages. The thread that tells the pages is another one.
+const THREADS: usize = 2;
+/// Connections at the same time: a browser opens six for files, and each page keeps one.
+const CONNECTIONS_MAX: usize = 256;
+/// How long a browser may take to send the head of a request.
+const HEAD_MAX: Duration = Duration::from_secs(5);
+/// The end waits no longer for a connection.
+const END_MAX: Duration = Duration::from_millis(200);
+/// A pause where the system gives no connection, such as for want of file handles.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Answers requests until dropped.
+pub struct Server {
+    /// Taken when dropped.
+    runtime: Option<Runtime>,
+    address: SocketAddr,
+}
+
+#[derive(Clone)]
+struct Shared {
+    access: Access,
+    site: Site,
+    viewers: Viewers,
+}
+
+impl Server {
+    /// Answers from now on what comes to `listener`.
+    ///
+    /// # Errors
+    /// The system gives no threads, or the listener cannot be used.
+    pub fn start(
+        listener: std::net::TcpListener,
+        access: Access,
+        site: Site,
+        viewers: Viewers,
+    ) -> io::Result<Self> {
+        let address = listener.local_addr()?;
+        listener.set_nonblocking(true)?;
+        let runtime = Builder::new_multi_thread()
+            .worker_threads(THREADS)
+            .thread_name("motorlink web")
+            .enable_io()
+            .enable_time()
+            .build()?;
+        let listener = {
+            let _in_runtime = runtime.enter();
+            TcpListener::from_std(listener)?
+        };
+        let shared = Shared {
+            access,
+            site,
+            viewers,
+        };
+        runtime.spawn(accept(listener, shared));
+        Ok(Self {
+            runtime: Some(runtime),
+            address,
+        })
+    }
+
+    /// The address that it listens at.
+    #[must_use]
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_timeout(END_MAX);
+        }
+    }
+}
+
+impl fmt::Debug for Server {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Server").field(&self.address).finish()
+    }
+}
+
+async fn accept(listener: TcpListener, shared: Shared) {
+    let places = Arc::new(Semaphore::new(CONNECTIONS_MAX));
+    loop {
+        let Ok((stream, peer)) = listener.accept().await else {
+            sleep(PAUSE).await;
+            continue;
+        };
+        // One too many is closed at once.
+        let Ok(place) = Arc::clone(&places).try_acquire_owned() else {
+            continue;
+        };
+        let shared = shared.clone();
+        tokio::spawn(async move {
+            // Nagle's algorithm delays small messages.
+            let _ = stream.set_nodelay(true);
+            serve(stream, peer.ip().to_canonical(), shared).await;
+            drop(place);
+        });
+    }
+}
+
+async fn serve(stream: TcpStream, address: IpAddr, shared: Shared) {
+    let router = Router::new().fallback(answer).with_state((shared, address));
+    let service = service_fn(move |request: hyper::Request<Incoming>| {
+        let mut router = router.clone();
+        async move {
+            let answered: Result<Response, Infallible> = router.call(request).await;
+            answered
+        }
+    });
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_MAX)
+        .serve_connection(TokioIo::new(stream), service)
+        .with_upgrades();
+    // The browser has gone, or has sent something else than HTTP.
+    let _ = connection.await;
+}
+
+async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Request) -> Response {
+    if let Some(refused) = shared.access.check(address, &request) {
+        return refused;
+    }
+    let (mut parts, _) = request.into_parts();
+    if parts.uri.path() != SOCKET {
+        return shared
+            .site
+            .answer(parts.uri.path(), parts.uri.query(), &parts.headers);
+    }
+    if !Access::is_own_page(&parts.headers) {
+        let text = "Only the page of this server may connect.\n";
+        return (StatusCode::FORBIDDEN, text).into_response();
+    }
+    let version = parts
+        .uri
+        .query()
+        .and_then(|query| query.strip_prefix("page="));
+    let is_same_version = version.is_some_and(|version| shared.site.is_version(version));
+    match WebSocketUpgrade::from_request_parts(&mut parts, &()).await {
+        Ok(upgrade) => socket::answer(upgrade, (shared.viewers, address), is_same_version),
+        Err(refused) => refused.into_response(),
+    }
+}

@@ -1,0 +1,461 @@
+//! The pages that are connected, and what they ask for.
+
+use std::{
+    collections::BTreeMap,
+    io,
+    net::IpAddr,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    thread,
+    time::Duration,
+};
+
+use axum::body::Bytes;
+use motorlink_bus::{COMMAND_AGE_MAX, Command, CommandKind, StopReason, is_rest};
+use motorlink_driver::{Clock, Commander};
+use motorlink_messages::{Notice, ToWorker, decode, encode, runs::ToRun};
+use motorlink_protocol::{Instant, MotorId};
+use motorlink_remote::{
+    Control, Ended, FromServer, NotDone, Stamp, Taken, ToServer, Viewer, ViewerId,
+};
+use tokio::sync::{broadcast, mpsc};
+
+/// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
+/// longer misses its challenges, and loses its lease.
+const QUEUE: usize = 32;
+/// Updates that wait for the slowest page: one or two seconds of them. A page that takes longer misses some.
+const UPDATES: usize = 64;
+
+/// How often the lease is looked at.
+const LOOK_MAX: Duration = Duration::from_millis(10);
+const LOOK_MIN: Duration = Duration::from_millis(1);
+
+/// The pages, shared by their connections and the hub.
+#[derive(Clone, Debug)]
+pub struct Viewers(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    updates: broadcast::Sender<Bytes>,
+}
+
+struct State {
+    control: Control,
+    clock: Clock,
+    commander: Commander,
+    pages: BTreeMap<ViewerId, Page>,
+    /// Notices for one page, which the hub sends with the state.
+    notices: Vec<(ViewerId, Notice)>,
+    /// Lines for the log of the server.
+    log: Vec<String>,
+    /// Whether a page waits for a state.
+    has_new: bool,
+    /// The operator with its lease, and who asks, as every page was told.
+    told: (Option<(ViewerId, u32)>, Option<ViewerId>),
+    /// How far the driver's clock is ahead of ours, in microseconds, by its newest state.
+    driver_ahead_us: i64,
+}
+
+impl std::fmt::Debug for State {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("State")
+            .field("pages", &self.pages.len())
+            .finish_non_exhaustive()
+    }
+}
+
+struct Page {
+    address: IpAddr,
+    queue: mpsc::Sender<Bytes>,
+}
+
+/// What a connection sends to its page.
+pub(crate) struct Outgoing {
+    /// For this page alone, first.
+    pub(crate) own: mpsc::Receiver<Bytes>,
+    /// For every page.
+    pub(crate) updates: broadcast::Receiver<Bytes>,
+}
+
+/// The connection has broken the protocol and is closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Garbage;
+
+pub(crate) fn encoded(message: &FromServer) -> Bytes {
+    // A message of ours always encodes.
+    encode(message).unwrap_or_default().into()
+}
+
+impl Viewers {
+    /// No page yet. What the operator does goes to this driver.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(commander: Commander) -> io::Result<Self> {
+        let (updates, _) = broadcast::channel(UPDATES);
+        let state = State {
+            control: Control::default(),
+            clock: Clock::new(),
+            commander,
+            pages: BTreeMap::new(),
+            notices: Vec::new(),
+            log: Vec::new(),
+            has_new: false,
+            told: (None, None),
+            driver_ahead_us: 0,
+        };
+        let viewers = Self(Arc::new(Shared {
+            state: Mutex::new(state),
+            updates,
+        }));
+        viewers.watch_lease()?;
+        Ok(viewers)
+    }
+
+    /// Looks at the lease on a thread that does nothing else. The thread of the hub does it too, but may wait for a
+    /// terminal.
+    fn watch_lease(&self) -> io::Result<()> {
+        let shared = Arc::downgrade(&self.0);
+        let watch = move || {
+            while let Some(shared) = shared.upgrade() {
+                let next = Self(shared).turn();
+                thread::sleep(next.clamp(LOOK_MIN, LOOK_MAX));
+            }
+        };
+        let thread = thread::Builder::new().name("motorlink lease".to_owned());
+        thread.spawn(watch).map(drop)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // No part of the state is left half changed by a panic, and a stop must still come through.
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A page has connected. Returns nothing if there are too many.
+    pub(crate) fn join(&self, address: IpAddr) -> Option<(ViewerId, Outgoing)> {
+        let mut state = self.state();
+        let now = state.clock.now();
+        let viewer = state.control.join(now)?;
+        let (queue, own) = mpsc::channel(QUEUE);
+        let updates = self.0.updates.subscribe();
+        let hello = FromServer::Hello {
+            now: driver_time(now, state.driver_ahead_us),
+        };
+        state.pages.insert(viewer, Page { address, queue });
+        state.send(viewer, &hello);
+        state.has_new = true;
+        state.tell_control_to(viewer);
+        Some((viewer, Outgoing { own, updates }))
+    }
+
+    pub(crate) fn leave(&self, viewer: ViewerId) {
+        let mut state = self.state();
+        state.pages.remove(&viewer);
+        let ended = state.control.leave(viewer);
+        state.stop_after(ended);
+        state.tell_control();
+    }
+
+    /// A message of a page.
+    pub(crate) fn received(&self, viewer: ViewerId, message: &[u8]) -> Result<(), Garbage> {
+        // Before the lock: what one page sends delays no other.
+        let message = Message::read(message)?;
+        let mut state = self.state();
+        let now = state.clock.now();
+        match message {
+            Message::Answer { challenge } => state.control.answer(now, viewer, challenge),
+            Message::Take { by_force } => {
+                if let Taken::Granted(ended) = state.control.take(now, viewer, by_force) {
+                    state.stop_after(ended);
+                }
+                // It may have missed that it holds the lease.
+                state.tell_control_to(viewer);
+                state.tell_control();
+            }
+            Message::GiveUp => {
+                let ended = state.control.give_up(viewer);
+                state.stop_after(ended);
+                state.tell_control();
+            }
+            Message::Command(act, command) => state.command(now, viewer, act, command),
+            Message::Select(act, id) => {
+                if state.control.act(now, viewer, act.stamp, false).is_ok() {
+                    state.commander.command(Command::Watch(id));
+                }
+            }
+            Message::Run(act, message) => state.run(now, viewer, act, message),
+            Message::ForOwnComputer => {}
+        }
+        Ok(())
+    }
+
+    /// Ends a lease that was not renewed, and makes the challenges that are due. Returns when this is to be done next.
+    pub(crate) fn turn(&self) -> Duration {
+        let mut state = self.state();
+        let now = state.clock.now();
+        if let Some(ended) = state.control.expire(now) {
+            state.stop_after(Some(ended));
+            state.tell_control();
+        }
+        // A system without random numbers: no lease is renewed, and nobody drives.
+        for (viewer, challenge) in state.control.challenge(now, random) {
+            state.send(viewer, &FromServer::Challenge(challenge));
+        }
+        let next = state.control.next_turn();
+        next.map_or(Duration::MAX, |at| at.since(now))
+    }
+
+    /// Whether a page has come since the last call and waits for the first state.
+    pub(crate) fn take_has_new(&self) -> bool {
+        std::mem::take(&mut self.state().has_new)
+    }
+
+    /// The notices for single pages.
+    pub(crate) fn take_notices(&self) -> Vec<(ViewerId, Notice)> {
+        std::mem::take(&mut self.state().notices)
+    }
+
+    /// Adds a line to the log of the server, unless it has many.
+    pub(crate) fn log(&self, line: String) {
+        let mut state = self.state();
+        if state.log.len() < QUEUE {
+            state.log.push(line);
+        }
+    }
+
+    /// The lines for the log of the server since the last call.
+    #[must_use]
+    pub fn take_log(&self) -> Vec<String> {
+        std::mem::take(&mut self.state().log)
+    }
+
+    /// Sends a message to one page.
+    pub(crate) fn send(&self, viewer: ViewerId, message: &FromServer) {
+        self.state().send(viewer, message);
+    }
+
+    /// Sends a message to every page.
+    pub(crate) fn send_all(&self, message: &FromServer) {
+        // Nobody watches.
+        let _ = self.0.updates.send(encoded(message));
+    }
+
+    /// Whether a page is connected.
+    pub(crate) fn are_there(&self) -> bool {
+        self.0.updates.receiver_count() > 0
+    }
+
+    /// The state of the driver had this time.
+    pub(crate) fn driver_is_at(&self, at: Instant) {
+        let mut state = self.state();
+        let now = state.clock.now();
+        let us = |at: Instant| i64::try_from(at.as_micros()).unwrap_or(i64::MAX);
+        state.driver_ahead_us = us(at).saturating_sub(us(now));
+    }
+}
+
+fn driver_time(now: Instant, ahead_us: i64) -> Instant {
+    Instant::from_micros(now.as_micros().saturating_add_signed(ahead_us))
+}
+
+/// A number that nobody guesses.
+fn random() -> Option<u64> {
+    getrandom::u64().ok()
+}
+
+impl State {
+    fn send(&self, viewer: ViewerId, message: &FromServer) {
+        if let Some(page) = self.pages.get(&viewer) {
+            // A page that takes nothing misses it.
+            let _ = page.queue.try_send(encoded(message));
+        }
+    }
+
+    /// Stops what a lease drove that has ended.
+    fn stop_after(&self, ended: Option<Ended>) {
+        if ended.is_some() {
+            let stop = Command::StopAll(StopReason::OperatorLost);
+            self.commander.command(stop);
+        }
+    }
+
+    /// Tells every page who drives, if that has changed.
+    fn tell_control(&mut self) {
+        let newest = (self.control.operator(), self.control.asks());
+        if self.told != newest {
+            self.told = newest;
+            self.has_new = true;
+            for viewer in self.pages.keys() {
+                self.tell_control_to(*viewer);
+            }
+        }
+    }
+
+    fn tell_control_to(&self, viewer: ViewerId) {
+        let operator = self.control.operator();
+        let named = |viewer: ViewerId| {
+            let page = self.pages.get(&viewer)?;
+            Some(Viewer {
+                number: viewer.0,
+                address: page.address.to_string(),
+            })
+        };
+        let epoch = operator.filter(|(holder, _)| *holder == viewer);
+        let message = FromServer::Control {
+            epoch: epoch.map(|(_, epoch)| epoch),
+            you: viewer.0,
+            operator: operator.and_then(|(holder, _)| named(holder)),
+            asks: self.control.asks().and_then(named),
+        };
+        self.send(viewer, &message);
+    }
+
+    /// Gives a command of a page to the driver, while the lease is locked: a lease that ends afterwards stops it.
+    fn command(&mut self, now: Instant, viewer: ViewerId, act: Act, command: Command) {
+        let holds = self.control.holds(now, viewer, act.stamp.epoch);
+        let is_operator = self
+            .control
+            .operator()
+            .is_some_and(|(holder, _)| holder == viewer);
+        match command {
+            // Everybody may stop, and a late stop is one too.
+            Command::Stop(_) | Command::StopAll(StopReason::Operator) | Command::StopRaw => {
+                self.stop(now, is_operator, [command]);
+            }
+            // The operator's page was closed or hidden. That of a watcher stops nothing.
+            Command::StopAll(_) => {
+                if is_operator {
+                    self.commander.command(command);
+                }
+            }
+            // They move nothing, and the page sends its settings only once.
+            Command::CancelJob | Command::Configure(_) if holds => self.commander.command(command),
+            command => {
+                let starts = command.may_move() || command.releases();
+                let done = self.control.act(now, viewer, act.stamp, starts);
+                match done {
+                    Ok(()) if !command.is_too_old(act.age) => self.commander.command(command),
+                    done => {
+                        let stops = stops_in(command);
+                        if stops.is_empty() {
+                            self.not_done(viewer, command.into(), done.err());
+                        }
+                        self.stop(now, is_operator, stops);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives stops of any page to the driver.
+    fn stop(&mut self, now: Instant, is_operator: bool, stops: impl IntoIterator<Item = Command>) {
+        for stop in stops {
+            self.commander.command(stop);
+            if !is_operator {
+                self.control.stopped_by_other(now);
+            }
+        }
+    }
+
+    /// Gives a message to the run of an experiment.
+    fn run(&mut self, now: Instant, viewer: ViewerId, act: Act, message: ToRun) {
+        let holds = self.control.holds(now, viewer, act.stamp.epoch);
+        let is_given = match message {
+            // It stops motors: everybody may, however late.
+            ToRun::Abort => true,
+            ToRun::Pause | ToRun::FocusLost => holds,
+            ToRun::Arm { .. } | ToRun::Start { .. } | ToRun::Resume => {
+                let done = self.control.act(now, viewer, act.stamp, true);
+                let is_old = act.age > COMMAND_AGE_MAX;
+                done.is_ok() && !is_old
+            }
+        };
+        if is_given {
+            self.commander.run(message);
+        } else {
+            self.tell_control_to(viewer);
+        }
+    }
+
+    fn not_done(&mut self, viewer: ViewerId, command: CommandKind, why: Option<NotDone>) {
+        if why == Some(NotDone::NotOperator) {
+            // The page sees who drives.
+            self.tell_control_to(viewer);
+        } else if self.notices.len() < QUEUE {
+            self.notices.push((viewer, Notice::TooLate(command)));
+        }
+    }
+}
+
+/// The stops in a command that brings motors to rest in their loop: what is left of it for a page that may not drive, or
+/// when it comes late.
+fn stops_in(command: Command) -> Vec<Command> {
+    match command {
+        Command::Hold(id) => vec![Command::Stop(id)],
+        Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. }
+            if is_rest(setpoint) =>
+        {
+            vec![Command::Stop(id)]
+        }
+        Command::DriveGroup { setpoints, .. } | Command::AdjustGroup { setpoints, .. }
+            if setpoints.entries().all(|(_, setpoint)| is_rest(setpoint)) =>
+        {
+            setpoints
+                .entries()
+                .map(|(id, _)| Command::Stop(id))
+                .collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// When an act was done.
+#[derive(Clone, Copy, Debug)]
+struct Act {
+    stamp: Stamp,
+    age: Duration,
+}
+
+/// A message of a page, decoded.
+enum Message {
+    Answer {
+        challenge: u64,
+    },
+    Take {
+        by_force: bool,
+    },
+    GiveUp,
+    Command(Act, Command),
+    Select(Act, MotorId),
+    Run(Act, ToRun),
+    /// It is for the page's own computer.
+    ForOwnComputer,
+}
+
+impl Message {
+    fn read(bytes: &[u8]) -> Result<Self, Garbage> {
+        let (act, message) = match decode(bytes).map_err(|_| Garbage)? {
+            ToServer::Answer { challenge } => return Ok(Self::Answer { challenge }),
+            ToServer::Take { by_force } => return Ok(Self::Take { by_force }),
+            ToServer::GiveUp => return Ok(Self::GiveUp),
+            ToServer::Act {
+                stamp,
+                age_ms,
+                message,
+            } => {
+                let age = Duration::from_millis(age_ms.into());
+                (Act { stamp, age }, message)
+            }
+        };
+        Ok(match decode(&message).map_err(|_| Garbage)? {
+            ToWorker::Command { command, .. } => Self::Command(act, command),
+            ToWorker::Select(id) => Self::Select(act, id),
+            ToWorker::Run { message, .. } => Self::Run(act, decode(&message).map_err(|_| Garbage)?),
+            ToWorker::ConnectSerial { .. }
+            | ToWorker::ConnectVirtual(_)
+            | ToWorker::Disconnect
+            | ToWorker::Pong { .. }
+            | ToWorker::VirtualWire(_) => Self::ForOwnComputer,
+        })
+    }
+}

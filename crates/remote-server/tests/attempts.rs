@@ -1,0 +1,474 @@
+//! Attempts to drive motors without the right to do so, on a real server with virtual motors.
+#![cfg(test)]
+
+use std::{
+    io::{Read, Write},
+    net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream},
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use motorlink_bus::{Command, Consent};
+use motorlink_driver::{Driver, Next, Options, Place, VirtualLine};
+use motorlink_messages::{Adapter, ToPage, ToWorker, Update, decode, encode};
+use motorlink_protocol::{MotorId, Rpm, Setpoint, SpeedTarget, family::Model};
+use motorlink_remote::{FromServer, Stamp, ToServer, VIEWERS_MAX};
+use motorlink_remote_server::{Access, Hub, Server, Site, Token, Viewers};
+use tungstenite::{
+    Message, WebSocket, client::IntoClientRequest, http::HeaderValue, stream::MaybeTlsStream,
+};
+
+/// Longer than any wait of a test.
+const SOON: Duration = Duration::from_secs(10);
+
+/// A server with one virtual motor, and the thread of its driver.
+struct Bench {
+    address: SocketAddr,
+    token: Option<Token>,
+    is_over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    _server: Server,
+    _folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn start(token: Option<Token>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let index = "<html lang=\"en\"><meta name=\"motorlink-worker\" content=\"./worker-boot.js\">\
+                     <meta name=\"motorlink-remote\" content=\"./remote-boot.js\">";
+        std::fs::write(folder.path().join("index.html"), index).unwrap();
+        std::fs::write(folder.path().join("remote-boot.js"), "1").unwrap();
+        let site = Site::open(Some(PathBuf::from(folder.path()))).unwrap();
+
+        let line = VirtualLine::of(Model::Ddsm115, [MotorId::FIRST]);
+        let mut options = Options::at(Place::Virtual(line));
+        options.watch = vec![MotorId::FIRST];
+        options.tells_traffic = true;
+        options.state_folder = None;
+        let driver = Driver::open(options).unwrap();
+        let viewers = Viewers::new(driver.commander()).unwrap();
+        let mut hub = Hub::new(viewers.clone(), Adapter::Serial(None));
+        let is_over = Arc::new(AtomicBool::new(false));
+        let ends = Arc::clone(&is_over);
+        let thread = thread::spawn(move || {
+            while !ends.load(Ordering::SeqCst) {
+                let wait = hub.turn(&driver);
+                if let Next::Entry(_, entry) = driver.next(wait) {
+                    hub.take(entry);
+                }
+            }
+        });
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        let access = Access::new(address, Vec::new(), token.clone());
+        Self {
+            address,
+            token,
+            is_over,
+            thread: Some(thread),
+            _server: Server::start(listener, access, site, viewers).unwrap(),
+            _folder: folder,
+        }
+    }
+
+    /// The answer to a request with these header lines: its status, and the whole of it.
+    fn get(&self, path: &str, headers: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(SOON)).unwrap();
+        let request = format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let status = answer
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok());
+        (status.unwrap_or_default(), answer)
+    }
+
+    fn host(&self) -> String {
+        format!("Host: {}\r\n", self.address)
+    }
+
+    /// A page of this server, or what else says these headers.
+    fn connect(&self, origin: &str, version: &str) -> Result<Page, tungstenite::Error> {
+        let url = format!("ws://{}/motorlink?page={version}", self.address);
+        let mut request = url.into_client_request()?;
+        let headers = request.headers_mut();
+        headers.insert("Origin", HeaderValue::try_from(origin).unwrap());
+        if let Some(token) = &self.token {
+            let cookie = format!("other=1; motorlink-token={token}");
+            headers.insert("Cookie", HeaderValue::try_from(cookie).unwrap());
+        }
+        let (socket, _) = tungstenite::connect(request)?;
+        if let MaybeTlsStream::Plain(stream) = socket.get_ref() {
+            stream.set_read_timeout(Some(Duration::from_millis(50)))?;
+        }
+        Ok(Page {
+            socket,
+            answers: true,
+            challenge: 0,
+            epoch: None,
+            sequence: 0,
+            speed: None,
+            is_halted: false,
+        })
+    }
+
+    fn page(&self) -> Page {
+        let origin = format!("http://{}", self.address);
+        self.connect(&origin, "remote-boot.js").unwrap()
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::SeqCst);
+        self.thread.take().unwrap().join().unwrap();
+    }
+}
+
+/// A page, as the worker and the main thread of a real one act together.
+struct Page {
+    socket: WebSocket<MaybeTlsStream<TcpStream>>,
+    answers: bool,
+    challenge: u64,
+    epoch: Option<u32>,
+    sequence: u32,
+    speed: Option<Rpm>,
+    is_halted: bool,
+}
+
+impl Page {
+    fn send(&mut self, message: &ToServer) {
+        let bytes = encode(message).unwrap();
+        // The server may have closed: the next message tells.
+        let _ = self.socket.send(Message::binary(bytes));
+    }
+
+    /// Takes what comes. Returns false once the server has closed.
+    fn receive(&mut self) -> bool {
+        let message = match self.socket.read() {
+            Ok(Message::Binary(bytes)) => decode(&bytes).unwrap(),
+            Ok(Message::Close(_)) => return false,
+            Ok(_) => return true,
+            Err(tungstenite::Error::Io(error)) => {
+                return matches!(
+                    error.kind(),
+                    std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
+                );
+            }
+            Err(_) => return false,
+        };
+        match message {
+            FromServer::Challenge(challenge) if self.answers => {
+                self.challenge = challenge;
+                self.send(&ToServer::Answer { challenge });
+            }
+            FromServer::Control { epoch, .. } => self.epoch = epoch,
+            FromServer::Page(bytes) => {
+                if let Ok(ToPage::Update(update)) = decode(&bytes) {
+                    self.update(&update);
+                }
+            }
+            _ => {}
+        }
+        true
+    }
+
+    fn update(&mut self, update: &Update) {
+        let motor = update.motors.first();
+        let reply = motor.and_then(|motor| motor.last.as_ref());
+        self.speed = reply.and_then(|sample| sample.reply.speed);
+        self.is_halted = update.halted;
+    }
+
+    fn wait(&mut self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
+        let until = Instant::now() + SOON;
+        while !is_so(self) {
+            assert!(Instant::now() < until, "waited for {what}");
+            assert!(self.receive(), "closed while waiting for {what}");
+        }
+    }
+
+    /// Lives on for a while.
+    fn live(&mut self, duration: Duration) {
+        let until = Instant::now() + duration;
+        while Instant::now() < until {
+            assert!(self.receive());
+        }
+    }
+
+    fn closes(&mut self) -> bool {
+        let until = Instant::now() + SOON;
+        while Instant::now() < until {
+            if !self.receive() {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn take_control(&mut self) {
+        self.wait("a challenge", |page| page.challenge != 0);
+        self.send(&ToServer::Take { by_force: false });
+        self.wait("control", |page| page.epoch.is_some());
+        self.sequence = 0;
+    }
+
+    fn act(&mut self, command: Command) {
+        self.sequence += 1;
+        let stamp = Stamp {
+            epoch: self.epoch.unwrap_or_default(),
+            sequence: self.sequence,
+            challenge: self.challenge,
+        };
+        self.act_with(stamp, command);
+    }
+
+    fn act_with(&mut self, stamp: Stamp, command: Command) {
+        let message = ToWorker::Command {
+            command,
+            given_ms: 0.0,
+        };
+        self.send(&ToServer::Act {
+            stamp,
+            age_ms: 0,
+            message: encode(&message).unwrap(),
+        });
+    }
+
+    fn drive(&mut self) {
+        self.wait("a reply", |page| page.speed.is_some());
+        self.act(start());
+        self.wait("a turning wheel", Self::turns);
+    }
+
+    fn turns(&self) -> bool {
+        self.speed.is_some_and(|speed| speed.magnitude() > 50)
+    }
+
+    fn stands(&self) -> bool {
+        self.speed.is_some_and(|speed| speed.magnitude() == 0)
+    }
+}
+
+fn start() -> Command {
+    Command::Start {
+        id: MotorId::FIRST,
+        setpoint: Setpoint::velocity(SpeedTarget::new(100).unwrap()),
+        consent: Consent::None,
+    }
+}
+
+#[test]
+fn the_operator_drives_and_silence_stops_the_wheel() {
+    let bench = Bench::start(None);
+    let mut page = bench.page();
+    page.take_control();
+    page.drive();
+    page.live(Duration::from_millis(1_500));
+    assert!(page.turns(), "it drives for as long as it answers");
+    page.answers = false;
+    page.wait("a standing wheel", Page::stands);
+    assert!(page.is_halted && page.epoch.is_none());
+    // It answers again, and does not drive again.
+    page.answers = true;
+    page.act(Command::Release);
+    page.act(start());
+    page.live(Duration::from_millis(600));
+    assert!(page.stands() && page.is_halted);
+}
+
+#[test]
+fn a_watcher_cannot_drive_and_can_stop() {
+    let bench = Bench::start(None);
+    let (mut operator, mut watcher) = (bench.page(), bench.page());
+    watcher.wait("a challenge", |page| page.challenge != 0);
+    watcher.act(start());
+    watcher.live(Duration::from_millis(500));
+    assert!(watcher.stands());
+    operator.take_control();
+    operator.drive();
+    watcher.act(Command::StopAll(motorlink_bus::StopReason::Operator));
+    operator.wait("a standing wheel", Page::stands);
+    assert!(operator.is_halted);
+}
+
+/// The page's button Stop asks for zero in the motor's own loop.
+#[test]
+fn a_watcher_stops_a_motor_by_asking_for_zero() {
+    let bench = Bench::start(None);
+    let (mut operator, mut watcher) = (bench.page(), bench.page());
+    operator.take_control();
+    operator.drive();
+    watcher.act(Command::Drive {
+        id: MotorId::FIRST,
+        setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+        consent: Consent::None,
+    });
+    operator.wait("a standing wheel", Page::stands);
+    assert!(!operator.is_halted);
+}
+
+/// Questions and acts without the right to them do not fill the queue of the operator.
+#[test]
+fn a_page_that_asks_without_end_does_not_end_the_lease() {
+    let bench = Bench::start(None);
+    let mut operator = bench.page();
+    operator.take_control();
+    operator.drive();
+    let mut asking = bench.page();
+    let until = Instant::now() + Duration::from_secs(2);
+    while Instant::now() < until {
+        for _ in 0..8 {
+            asking.act(start());
+            asking.send(&ToServer::Take { by_force: false });
+            operator.receive();
+        }
+        asking.receive();
+    }
+    assert!(operator.turns() && operator.epoch.is_some());
+}
+
+#[test]
+fn an_act_that_is_sent_again_has_no_effect() {
+    let bench = Bench::start(None);
+    let mut page = bench.page();
+    page.take_control();
+    page.drive();
+    let recorded = Stamp {
+        epoch: page.epoch.unwrap(),
+        sequence: page.sequence,
+        challenge: page.challenge,
+    };
+    page.act(Command::Stop(MotorId::FIRST));
+    page.wait("a standing wheel", Page::stands);
+    for _ in 0..5 {
+        page.act_with(recorded, start());
+    }
+    page.live(Duration::from_millis(600));
+    assert!(page.stands());
+}
+
+#[test]
+fn pages_of_other_sites_and_other_versions_are_refused() {
+    let bench = Bench::start(None);
+    for origin in ["http://evil.example", "null", "https://127.0.0.1:1"] {
+        assert!(bench.connect(origin, "remote-boot.js").is_err(), "{origin}");
+    }
+    // A name that leads here, as after DNS rebinding.
+    for path in ["/", "/motorlink"] {
+        assert_eq!(bench.get(path, "Host: evil.example\r\n").0, 403);
+        assert_eq!(bench.get(path, "").0, 403, "no name at all");
+    }
+    let own = format!("http://{}", bench.address);
+    let mut old = bench.connect(&own, "remote-boot-old.js").unwrap();
+    assert!(old.closes());
+}
+
+#[test]
+fn nobody_enters_without_the_token() {
+    let token = Token::new().unwrap();
+    let bench = Bench::start(Some(token.clone()));
+    let host = bench.host();
+    assert_eq!(bench.get("/", &host).0, 401);
+    assert_eq!(bench.get("/motorlink", &host).0, 401);
+    let (status, answer) = bench.get(&format!("/?token={token}"), &host);
+    assert_eq!(status, 303);
+    assert!(
+        answer.contains("HttpOnly") && answer.contains("location: /\r\n"),
+        "{answer}"
+    );
+    let cookie = format!("{host}Cookie: motorlink-token={token}\r\n");
+    assert_eq!(bench.get("/", &cookie).0, 200);
+    bench.page().take_control();
+
+    // 10,000 wrong ones: the first ten are compared, the others wait.
+    let mut refused = [0, 0];
+    for wrong in 0..10_000_u32 {
+        let (status, _) = bench.get(&format!("/?token={wrong:032x}"), &host);
+        match status {
+            401 => refused[0] += 1,
+            429 => refused[1] += 1,
+            other => panic!("status {other}"),
+        }
+    }
+    assert_eq!(refused, [10, 9_990]);
+    // Who has the cookie is not locked out.
+    assert_eq!(bench.get("/", &cookie).0, 200);
+}
+
+#[test]
+fn garbage_and_messages_that_are_too_long_or_too_many_end_a_connection_and_disturb_nobody() {
+    let bench = Bench::start(None);
+    let mut operator = bench.page();
+    operator.take_control();
+    operator.drive();
+    let mut garbage = bench.page();
+    garbage
+        .socket
+        .send(Message::binary(vec![0xFF; 64]))
+        .unwrap();
+    assert!(garbage.closes());
+    let mut text = bench.page();
+    text.socket.send(Message::text("hello")).unwrap();
+    assert!(text.closes());
+    operator.live(Duration::from_millis(100));
+    let mut long = bench.page();
+    // The server may close before it has taken all of it.
+    let _ = long.socket.send(Message::binary(vec![0; 2_000_000]));
+    operator.live(Duration::from_millis(100));
+    assert!(long.closes());
+    let mut flood = bench.page();
+    let answer = encode(&ToServer::Answer { challenge: 1 }).unwrap();
+    for _ in 0..2_000 {
+        if flood.socket.send(Message::binary(answer.clone())).is_err() {
+            break;
+        }
+    }
+    operator.live(Duration::from_millis(100));
+    assert!(flood.closes());
+    operator.live(Duration::from_millis(500));
+    assert!(operator.turns() && operator.epoch.is_some());
+}
+
+#[test]
+fn slow_heads_and_a_thousand_connections_leave_the_operator_alone() {
+    let bench = Bench::start(None);
+    let mut operator = bench.page();
+    operator.take_control();
+    operator.drive();
+    let mut slow: Vec<TcpStream> = Vec::new();
+    for _ in 0..1_000 {
+        if let Ok(mut stream) = TcpStream::connect(bench.address) {
+            // One too many is closed at once.
+            let _ = stream.write_all(b"GET / HT");
+            slow.push(stream);
+        }
+        operator.receive();
+    }
+    // The server lets go of those that do not finish.
+    operator.live(Duration::from_millis(6_500));
+    assert!(operator.turns() && operator.epoch.is_some());
+    let until = Instant::now() + SOON;
+    while bench.get("/", &bench.host()).0 != 200 {
+        assert!(Instant::now() < until, "no page is served any more");
+        operator.receive();
+    }
+}
+
+#[test]
+fn pages_are_limited() {
+    let bench = Bench::start(None);
+    let mut pages: Vec<Page> = (0..VIEWERS_MAX).map(|_| bench.page()).collect();
+    assert!(pages[0].receive());
+    let mut further = bench.page();
+    assert!(further.closes());
+}
