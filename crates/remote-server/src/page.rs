@@ -27,8 +27,10 @@ use rust_embed::RustEmbed;
 #[allow_missing = true]
 struct Built;
 
-/// It would keep the page of this server for visits without it, and its link with the token would not reach the server.
+/// The one of the page would keep the page for visits without the server, and the link with the token would not reach the
+/// server. This one removes what an earlier visit has left.
 const SERVICE_WORKER: &str = "sw.js";
+const NO_SERVICE_WORKER: &str = "addEventListener('activate', () => registration.unregister());\n";
 
 /// The page, which connects to the server that it comes from.
 #[derive(Clone, Debug)]
@@ -103,7 +105,8 @@ impl Site {
             .and_then(|value| value.to_str().ok());
         let accepted = accepted.unwrap_or_default();
         for (encoding, ending) in [("br", "br"), ("gzip", "gz")] {
-            if accepted.split(',').any(|one| one.trim() == encoding)
+            if name != SERVICE_WORKER
+                && accepted.split(',').any(|one| one.trim() == encoding)
                 && let Some(content) = self.file(&format!("{name}.{ending}"))
             {
                 return response(name, content, Some(encoding));
@@ -117,7 +120,7 @@ impl Site {
 
     fn file(&self, name: &str) -> Option<Bytes> {
         if name == SERVICE_WORKER {
-            return None;
+            return Some(Bytes::from_static(NO_SERVICE_WORKER.as_bytes()));
         }
         file(self.files.as_deref(), name)
     }
