@@ -10,6 +10,7 @@
 
 mod access;
 mod hub;
+mod messages;
 mod page;
 mod server;
 mod socket;

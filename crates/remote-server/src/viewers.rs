@@ -10,14 +10,14 @@ use std::{
 };
 
 use axum::body::Bytes;
-use motorlink_bus::{COMMAND_AGE_MAX, Command, CommandKind, StopReason, is_rest};
+use motorlink_bus::{COMMAND_AGE_MAX, Command, CommandKind, StopReason};
 use motorlink_driver::{Clock, Commander};
-use motorlink_messages::{Notice, ToWorker, decode, encode, runs::ToRun};
-use motorlink_protocol::{Instant, MotorId};
-use motorlink_remote::{
-    Control, Ended, FromServer, NotDone, Stamp, Taken, ToServer, Viewer, ViewerId,
-};
+use motorlink_messages::{Notice, encode, runs::ToRun};
+use motorlink_protocol::Instant;
+use motorlink_remote::{Control, Ended, FromServer, NotDone, Taken, Viewer, ViewerId};
 use tokio::sync::{broadcast, mpsc};
+
+use crate::messages::{Act, Garbage, Message, stops_in};
 
 /// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
 /// longer misses its challenges, and loses its lease.
@@ -76,10 +76,6 @@ pub(crate) struct Outgoing {
     /// For every page.
     pub(crate) updates: broadcast::Receiver<Bytes>,
 }
-
-/// The connection has broken the protocol and is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Garbage;
 
 pub(crate) fn encoded(message: &FromServer) -> Bytes {
     // A message of ours always encodes.
@@ -384,78 +380,5 @@ impl State {
         } else if self.notices.len() < QUEUE {
             self.notices.push((viewer, Notice::TooLate(command)));
         }
-    }
-}
-
-/// The stops in a command that brings motors to rest in their loop: what is left of it for a page that may not drive, or
-/// when it comes late.
-fn stops_in(command: Command) -> Vec<Command> {
-    match command {
-        Command::Hold(id) => vec![Command::Stop(id)],
-        Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. }
-            if is_rest(setpoint) =>
-        {
-            vec![Command::Stop(id)]
-        }
-        Command::DriveGroup { setpoints, .. } | Command::AdjustGroup { setpoints, .. }
-            if setpoints.entries().all(|(_, setpoint)| is_rest(setpoint)) =>
-        {
-            setpoints
-                .entries()
-                .map(|(id, _)| Command::Stop(id))
-                .collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-/// When an act was done.
-#[derive(Clone, Copy, Debug)]
-struct Act {
-    stamp: Stamp,
-    age: Duration,
-}
-
-/// A message of a page, decoded.
-enum Message {
-    Answer {
-        challenge: u64,
-    },
-    Take {
-        by_force: bool,
-    },
-    GiveUp,
-    Command(Act, Command),
-    Select(Act, MotorId),
-    Run(Act, ToRun),
-    /// It is for the page's own computer.
-    ForOwnComputer,
-}
-
-impl Message {
-    fn read(bytes: &[u8]) -> Result<Self, Garbage> {
-        let (act, message) = match decode(bytes).map_err(|_| Garbage)? {
-            ToServer::Answer { challenge } => return Ok(Self::Answer { challenge }),
-            ToServer::Take { by_force } => return Ok(Self::Take { by_force }),
-            ToServer::GiveUp => return Ok(Self::GiveUp),
-            ToServer::Act {
-                stamp,
-                age_ms,
-                message,
-            } => {
-                let age = Duration::from_millis(age_ms.into());
-                (Act { stamp, age }, message)
-            }
-        };
-        Ok(match decode(&message).map_err(|_| Garbage)? {
-            ToWorker::Command { command, .. } => Self::Command(act, command),
-            ToWorker::Select(id) => Self::Select(act, id),
-            ToWorker::Run { message, .. } => Self::Run(act, decode(&message).map_err(|_| Garbage)?),
-            ToWorker::ConnectSerial { .. }
-            | ToWorker::ConnectVirtual(_)
-            | ToWorker::Disconnect
-            | ToWorker::Pong { .. }
-            | ToWorker::VirtualWire(_) => Self::ForOwnComputer,
-        })
     }
 }

@@ -1,0 +1,85 @@
+//! What the pages send, decoded.
+
+use std::time::Duration;
+
+use motorlink_bus::{Command, is_rest};
+use motorlink_messages::{ToWorker, decode, runs::ToRun};
+use motorlink_protocol::MotorId;
+use motorlink_remote::{Stamp, ToServer};
+
+/// The connection has broken the protocol and is closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Garbage;
+
+/// The stops in a command that brings motors to rest in their loop: what is left of it for a page that may not drive, or
+/// when it comes late.
+pub(crate) fn stops_in(command: Command) -> Vec<Command> {
+    match command {
+        Command::Hold(id) => vec![Command::Stop(id)],
+        Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. }
+            if is_rest(setpoint) =>
+        {
+            vec![Command::Stop(id)]
+        }
+        Command::DriveGroup { setpoints, .. } | Command::AdjustGroup { setpoints, .. }
+            if setpoints.entries().all(|(_, setpoint)| is_rest(setpoint)) =>
+        {
+            setpoints
+                .entries()
+                .map(|(id, _)| Command::Stop(id))
+                .collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// When an act was done.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Act {
+    pub(crate) stamp: Stamp,
+    pub(crate) age: Duration,
+}
+
+/// A message of a page, decoded.
+pub(crate) enum Message {
+    Answer {
+        challenge: u64,
+    },
+    Take {
+        by_force: bool,
+    },
+    GiveUp,
+    Command(Act, Command),
+    Select(Act, MotorId),
+    Run(Act, ToRun),
+    /// It is for the page's own computer.
+    ForOwnComputer,
+}
+
+impl Message {
+    pub(crate) fn read(bytes: &[u8]) -> Result<Self, Garbage> {
+        let (act, message) = match decode(bytes).map_err(|_| Garbage)? {
+            ToServer::Answer { challenge } => return Ok(Self::Answer { challenge }),
+            ToServer::Take { by_force } => return Ok(Self::Take { by_force }),
+            ToServer::GiveUp => return Ok(Self::GiveUp),
+            ToServer::Act {
+                stamp,
+                age_ms,
+                message,
+            } => {
+                let age = Duration::from_millis(age_ms.into());
+                (Act { stamp, age }, message)
+            }
+        };
+        Ok(match decode(&message).map_err(|_| Garbage)? {
+            ToWorker::Command { command, .. } => Self::Command(act, command),
+            ToWorker::Select(id) => Self::Select(act, id),
+            ToWorker::Run { message, .. } => Self::Run(act, decode(&message).map_err(|_| Garbage)?),
+            ToWorker::ConnectSerial { .. }
+            | ToWorker::ConnectVirtual(_)
+            | ToWorker::Disconnect
+            | ToWorker::Pong { .. }
+            | ToWorker::VirtualWire(_) => Self::ForOwnComputer,
+        })
+    }
+}
