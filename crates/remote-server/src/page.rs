@@ -46,7 +46,7 @@ pub struct Site {
 }
 
 impl Site {
-    /// The page of this folder, or that which this program was built with.
+    /// The page of this folder, or the one that this program was built with.
     ///
     /// # Errors
     /// There is no page, or it is of a version before remote operation.

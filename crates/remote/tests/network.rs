@@ -324,7 +324,7 @@ impl World {
         }
     }
 
-    /// A good network at the end: whoever asks drives.
+    /// A good network at the end: a page that asks drives.
     fn check_recovers(&mut self) -> Result<(), String> {
         self.is_good = true;
         self.cut_until = Instant::ZERO;

@@ -34,7 +34,7 @@ pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
     // What can be wrong without motors is said before the port is opened.
     let site = Site::open(how.page).map_err(|error| Failure::Usage(error.to_string()))?;
     let listen = how.listen.0;
-    // Another name is that of a proxy, by which others connect to this computer.
+    // Another name is that of a proxy: others connect through it.
     let is_private = listen.ip().is_loopback() && how.names.is_empty();
     let token = if is_private && how.token_file.is_none() {
         None
