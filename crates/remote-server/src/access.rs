@@ -214,7 +214,7 @@ impl Access {
     }
 }
 
-/// A home has one IPv4 address, but 2^64 of IPv6.
+/// The address that counts. A home has one of IPv4, but 2^64 of IPv6, which count as one.
 fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => Ipv6Addr::from_bits(address.to_bits() >> 64 << 64).into(),

@@ -12,7 +12,7 @@ use motorlink_remote::{FromServer, ViewerId};
 
 use crate::viewers::Viewers;
 
-/// The longest time between two turns: the lease is looked at so often.
+/// The longest time between two turns. The hub checks the lease as often as the thread that does nothing else.
 const TURN_MAX: Duration = Duration::from_millis(10);
 /// The shortest: twice as often as a page is told a change.
 const TURN_MIN: Duration = Duration::from_millis(2);

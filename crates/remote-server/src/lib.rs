@@ -5,8 +5,7 @@
 //! own: a page that is slow, dead or hostile delays neither the wire nor the operator. Queues, sizes, rates and the
 //! number of pages are limited.
 //!
-//! Who may drive is decided by [`motorlink_remote::Control`]. Who may connect is decided by [`Access`]: SECURITY.md has the
-//! threat model.
+//! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
 mod access;
 mod hub;

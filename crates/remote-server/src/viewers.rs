@@ -185,7 +185,7 @@ impl Viewers {
         Ok(())
     }
 
-    /// Ends a lease that was not renewed, and makes the challenges that are due. Returns when this is to be done next.
+    /// Ends a lease that was not renewed, and sends the challenges that are due. Returns how long to wait for the next call.
     pub(crate) fn turn(&self) -> Duration {
         let mut state = self.state();
         let now = state.clock.now();

@@ -19,14 +19,14 @@ pub const ACTS_WITHIN: Duration = LEASE;
 pub const FORCE_AFTER: Duration = Duration::from_secs(1);
 /// How long a question stands while another page asks. Otherwise a page that asks once would keep all others from asking.
 const ASKS_FOR: Duration = Duration::from_secs(5);
-/// Pages at the same time: one hundred watch, as the figure of the issue asks for, and some more.
+/// Pages at the same time. A class of thirty has a laptop and a phone each, and there is room for as many more.
 pub const VIEWERS_MAX: usize = 128;
 
 /// A page. Numbers are not used again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ViewerId(pub u32);
 
-/// Why a lease ended. What it drove is to be stopped.
+/// Why a lease ended. The server stops what it drove.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
     /// No answer in time.
@@ -42,7 +42,7 @@ pub enum Ended {
 /// What became of a request for control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// The page holds the lease. If an earlier lease ended now, what it drove is to be stopped.
+    /// The page holds the lease. If an earlier lease ended now, the server stops what that one drove.
     Granted(Option<Ended>),
     /// The page holds it already.
     Held,
@@ -136,7 +136,7 @@ impl Control {
         self.pages.keys().copied()
     }
 
-    /// The pages that are to be challenged now, each with this number. Nobody can guess it in advance.
+    /// The pages whose challenge is due, each with a number that no page can guess in advance.
     pub fn challenge(
         &mut self,
         now: Instant,
