@@ -66,6 +66,24 @@ fn bad_input_gets_one_line() {
     refused(run(&[]), "without remote operation");
 }
 
+/// Serves until the line with the address has come, and then until SIGINT. Returns that line.
+fn serve_once(page: &Path, flags: &[&str]) -> String {
+    let mut child = serve(page, flags).spawn().unwrap();
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let mut lines = lines.map_while(Result::ok);
+    let link = lines.find(|line| line.starts_with("Open ")).unwrap();
+    signal(&child, Signal::INT);
+    lines.for_each(drop);
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    link
+}
+
+fn mode(file: &Path) -> u32 {
+    let permissions = fs::metadata(file).unwrap().permissions();
+    std::os::unix::fs::PermissionsExt::mode(&permissions) & 0o777
+}
+
+/// What is no terminal is a journal, and gets no secret that a file has.
 #[test]
 fn a_token_file_is_made_once_and_only_its_owner_reads_it() {
     let page = page();
@@ -76,19 +94,72 @@ fn a_token_file_is_made_once_and_only_its_owner_reads_it() {
         "--token-file",
         file.to_str().unwrap(),
     ];
-    let links = [(); 2].map(|()| {
-        let mut child = serve(page.path(), &flags).spawn().unwrap();
-        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let mut lines = lines.map_while(Result::ok);
-        let link = lines.find(|line| line.starts_with("Open ")).unwrap();
-        signal(&child, Signal::INT);
-        lines.for_each(drop);
-        assert_eq!(child.wait().unwrap().code(), Some(0));
-        link
-    });
-    let tokens = links.map(|link| link.split_once("?token=").unwrap().1.to_owned());
-    assert_eq!(tokens[0], tokens[1]);
-    assert_eq!(fs::read_to_string(&file).unwrap().trim(), tokens[0]);
-    let mode = std::os::unix::fs::PermissionsExt::mode(&fs::metadata(&file).unwrap().permissions());
-    assert_eq!(mode & 0o777, 0o600);
+    let link = serve_once(page.path(), &flags);
+    let token = fs::read_to_string(&file).unwrap();
+    assert_eq!(token.trim().len(), 32);
+    assert!(link.contains("?token=TOKEN") && !link.contains(token.trim()));
+    serve_once(page.path(), &flags);
+    assert_eq!(fs::read_to_string(&file).unwrap(), token);
+    assert_eq!(mode(&file), 0o600);
+}
+
+#[test]
+fn a_certificate_is_made_once_and_only_its_owner_reads_the_key() {
+    let page = page();
+    let [file, key] = ["certificate.pem", "key.pem"].map(|name| page.path().join(name));
+    let flags = [
+        "--listen",
+        "127.0.0.1:0",
+        "--certificate",
+        file.to_str().unwrap(),
+        "--key",
+        key.to_str().unwrap(),
+    ];
+    let link = serve_once(page.path(), &flags);
+    assert!(link.starts_with("Open https://127.0.0.1:"), "{link}");
+    let made = fs::read(&file).unwrap();
+    assert_eq!(mode(&key), 0o600);
+    serve_once(page.path(), &flags);
+    assert_eq!(fs::read(&file).unwrap(), made);
+
+    let run = || serve(page.path(), &flags).output().unwrap();
+    fs::write(&key, "none").unwrap();
+    refused(run(), "key.pem: not a private key");
+    fs::remove_file(&file).unwrap();
+    refused(run(), "certificate.pem: is missing, although");
+    fs::write(&file, "none").unwrap();
+    refused(run(), "certificate.pem: not a certificate");
+    let without_key = &flags[..4];
+    refused(serve(page.path(), without_key).output().unwrap(), "--key");
+}
+
+/// As systemd starts it: it hears when the server answers, that it lives, and when it ends.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_service_says_that_it_is_ready_and_lives() {
+    let (page, folder) = (page(), tempfile::tempdir().unwrap());
+    let socket = folder.path().join("notify");
+    let heard = std::os::unix::net::UnixDatagram::bind(&socket).unwrap();
+    heard
+        .set_read_timeout(Some(std::time::Duration::from_secs(10)))
+        .unwrap();
+    let hear = || {
+        let mut text = [0; 64];
+        let length = heard.recv(&mut text).unwrap();
+        String::from_utf8_lossy(&text[..length]).trim().to_owned()
+    };
+    let mut child = serve(page.path(), &["--listen", "127.0.0.1:0"])
+        .env("NOTIFY_SOCKET", &socket)
+        .env("WATCHDOG_USEC", "300000")
+        .spawn()
+        .unwrap();
+    assert_eq!(hear(), "READY=1");
+    assert_eq!([hear(), hear()], ["WATCHDOG=1", "WATCHDOG=1"]);
+    signal(&child, Signal::TERM);
+    let mut said = hear();
+    while said == "WATCHDOG=1" {
+        said = hear();
+    }
+    assert_eq!(said, "STOPPING=1");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
 }

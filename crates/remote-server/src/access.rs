@@ -87,6 +87,7 @@ pub struct Access {
     listen: SocketAddr,
     names: Arc<[String]>,
     token: Option<Token>,
+    is_encrypted: bool,
     wrong: Arc<Mutex<BTreeMap<IpAddr, Wrong>>>,
 }
 
@@ -106,8 +107,16 @@ impl Access {
             listen,
             names: names.into(),
             token,
+            is_encrypted: false,
             wrong: Arc::default(),
         }
+    }
+
+    /// The same on encrypted connections.
+    #[must_use]
+    pub fn encrypted(mut self) -> Self {
+        self.is_encrypted = true;
+        self
     }
 
     /// The answer to a request of this address that is not let through.
@@ -148,7 +157,7 @@ impl Access {
                 "Wrong token. Open the link that `motorlink serve` prints.\n",
             ));
         }
-        Some(with_cookie(path, token))
+        Some(self.with_cookie(path, token))
     }
 
     /// Other web sites can lead a browser here by a name of their own (DNS rebinding).
@@ -160,7 +169,7 @@ impl Access {
     fn is_ours(&self, host: &str) -> bool {
         let (name, port) = match host.rsplit_once(':') {
             Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
-            _ => (host, Some(80)),
+            _ => (host, Some(if self.is_encrypted { 443 } else { 80 })),
         };
         // Behind a proxy, `--name` is the proxy's, with its own port.
         if self
@@ -193,6 +202,25 @@ impl Access {
             .strip_prefix("http://")
             .or_else(|| origin.strip_prefix("https://"));
         of_origin.is_some_and(|name| name.eq_ignore_ascii_case(host))
+    }
+
+    /// Keeps the token in the browser, and takes it out of the address.
+    fn with_cookie(&self, path: &str, token: &Token) -> Response {
+        // No script reads it, and no other site makes the browser send it.
+        let secure = if self.is_encrypted { "; Secure" } else { "" };
+        let cookie = format!(
+            "{COOKIE_NAME}={token}; Path=/; HttpOnly; SameSite=Lax; Max-Age=2592000{secure}"
+        );
+        // Only a path of this server: `//other` would be another one.
+        let path = format!("/{}", path.trim_start_matches('/'));
+        let mut response = StatusCode::SEE_OTHER.into_response();
+        let headers = response.headers_mut();
+        for (name, value) in [(SET_COOKIE, cookie), (LOCATION, path)] {
+            if let Ok(value) = HeaderValue::try_from(value) {
+                headers.insert(name, value);
+            }
+        }
+        response
     }
 
     fn may_try(&self, address: IpAddr) -> bool {
@@ -237,22 +265,6 @@ fn token_in(query: &str) -> Option<String> {
     let mut given = pairs.filter(|(name, _)| *name == "token");
     let (_, value) = given.next()?;
     Some(percent_decode_str(value).decode_utf8_lossy().into_owned())
-}
-
-/// Keeps the token in the browser, and takes it out of the address.
-fn with_cookie(path: &str, token: &Token) -> Response {
-    // No script reads it, and no other site makes the browser send it.
-    let cookie = format!("{COOKIE_NAME}={token}; Path=/; HttpOnly; SameSite=Lax; Max-Age=2592000");
-    // Only a path of this server: `//other` would be another one.
-    let path = format!("/{}", path.trim_start_matches('/'));
-    let mut response = StatusCode::SEE_OTHER.into_response();
-    let headers = response.headers_mut();
-    for (name, value) in [(SET_COOKIE, cookie), (LOCATION, path)] {
-        if let Ok(value) = HeaderValue::try_from(value) {
-            headers.insert(name, value);
-        }
-    }
-    response
 }
 
 fn refused(status: StatusCode, text: &'static str) -> Response {

@@ -13,10 +13,12 @@ mod messages;
 mod page;
 mod server;
 mod socket;
+mod tls;
 mod viewers;
 
 pub use access::{Access, Token};
 pub use hub::Hub;
 pub use page::Site;
 pub use server::Server;
+pub use tls::{NoTls, Pem, Tls};
 pub use viewers::Viewers;

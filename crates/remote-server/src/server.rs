@@ -17,10 +17,11 @@ use axum::{
 use hyper::{body::Incoming, server::conn::http1, service::service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::{
-    net::{TcpListener, TcpStream},
+    io::{AsyncRead, AsyncWrite},
+    net::TcpListener,
     runtime::{Builder, Runtime},
     sync::Semaphore,
-    time::sleep,
+    time::{sleep, timeout},
 };
 use tower_service::Service as _;
 
@@ -28,6 +29,7 @@ use crate::{
     access::{Access, SOCKET},
     page::Site,
     socket,
+    tls::Tls,
     viewers::Viewers,
 };
 
@@ -57,7 +59,7 @@ struct Shared {
 }
 
 impl Server {
-    /// Answers from now on what comes to `listener`.
+    /// Answers from now on what comes to `listener`, encrypted if there is a certificate.
     ///
     /// # Errors
     /// The system gives no threads, or the listener cannot be used.
@@ -66,6 +68,7 @@ impl Server {
         access: Access,
         site: Site,
         viewers: Viewers,
+        tls: Option<Tls>,
     ) -> io::Result<Self> {
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
@@ -84,7 +87,7 @@ impl Server {
             site,
             viewers,
         };
-        runtime.spawn(accept(listener, shared));
+        runtime.spawn(accept(listener, shared, tls));
         Ok(Self {
             runtime: Some(runtime),
             address,
@@ -112,7 +115,7 @@ impl fmt::Debug for Server {
     }
 }
 
-async fn accept(listener: TcpListener, shared: Shared) {
+async fn accept(listener: TcpListener, shared: Shared, tls: Option<Tls>) {
     let places = Arc::new(Semaphore::new(CONNECTIONS_MAX));
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
@@ -123,17 +126,30 @@ async fn accept(listener: TcpListener, shared: Shared) {
         let Ok(place) = Arc::clone(&places).try_acquire_owned() else {
             continue;
         };
-        let shared = shared.clone();
+        let (shared, tls) = (shared.clone(), tls.clone());
         tokio::spawn(async move {
             // Nagle's algorithm delays small messages.
             let _ = stream.set_nodelay(true);
-            serve(stream, peer.ip().to_canonical(), shared).await;
+            let address = peer.ip().to_canonical();
+            match tls {
+                None => serve(stream, address, shared).await,
+                Some(tls) => {
+                    let encrypted = timeout(HEAD_MAX, tls.acceptor().accept(stream)).await;
+                    // Otherwise it speaks no TLS, or does not trust the certificate.
+                    if let Ok(Ok(stream)) = encrypted {
+                        serve(stream, address, shared).await;
+                    }
+                }
+            }
             drop(place);
         });
     }
 }
 
-async fn serve(stream: TcpStream, address: IpAddr, shared: Shared) {
+async fn serve<S>(stream: S, address: IpAddr, shared: Shared)
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
     let router = Router::new().fallback(answer).with_state((shared, address));
     let service = service_fn(move |request: hyper::Request<Incoming>| {
         let mut router = router.clone();

@@ -15,16 +15,21 @@ use std::{
 
 use motorlink_bus::{Command, Consent};
 use motorlink_driver::{Driver, Next, Options, Place, VirtualLine};
-use motorlink_messages::{Adapter, ToPage, ToWorker, Update, decode, encode};
-use motorlink_protocol::{MotorId, Rpm, Setpoint, SpeedTarget, family::Model};
-use motorlink_remote::{FromServer, Stamp, ToServer, VIEWERS_MAX};
-use motorlink_remote_server::{Access, Hub, Server, Site, Token, Viewers};
-use tungstenite::{
-    Message, WebSocket, client::IntoClientRequest, http::HeaderValue, stream::MaybeTlsStream,
+use motorlink_messages::{Adapter, encode};
+use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
+use motorlink_remote::{Stamp, ToServer, VIEWERS_MAX};
+use motorlink_remote_server::{Access, Hub, Pem, Server, Site, Tls, Token, Viewers};
+use support::page::{Page, SOON, start};
+use tokio_rustls::rustls::{
+    ClientConfig, ClientConnection, RootCertStore, StreamOwned,
+    crypto::ring,
+    pki_types::{CertificateDer, ServerName, pem::PemObject},
 };
+use tungstenite::Message;
 
-/// Longer than any wait of a test.
-const SOON: Duration = Duration::from_secs(10);
+mod support {
+    pub mod page;
+}
 
 /// A server with one virtual motor, and the thread of its driver.
 struct Bench {
@@ -38,6 +43,10 @@ struct Bench {
 
 impl Bench {
     fn start(token: Option<Token>) -> Self {
+        Self::start_with(token, None)
+    }
+
+    fn start_with(token: Option<Token>, tls: Option<Tls>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let index = "<html lang=\"en\"><meta name=\"motorlink-worker\" content=\"./worker-boot.js\">\
                      <meta name=\"motorlink-remote\" content=\"./remote-boot.js\">";
@@ -65,31 +74,25 @@ impl Bench {
         });
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let address = listener.local_addr().unwrap();
-        let access = Access::new(address, Vec::new(), token.clone());
+        let mut access = Access::new(address, Vec::new(), token.clone());
+        if tls.is_some() {
+            access = access.encrypted();
+        }
         Self {
             address,
             token,
             is_over,
             thread: Some(thread),
-            _server: Server::start(listener, access, site, viewers).unwrap(),
+            _server: Server::start(listener, access, site, viewers, tls).unwrap(),
             _folder: folder,
         }
     }
 
     /// The answer to a request with these header lines: its status, and the whole of it.
     fn get(&self, path: &str, headers: &str) -> (u16, String) {
-        let mut stream = TcpStream::connect(self.address).unwrap();
+        let stream = TcpStream::connect(self.address).unwrap();
         stream.set_read_timeout(Some(SOON)).unwrap();
-        let request = format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n");
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
-        let answer = String::from_utf8_lossy(&answer).into_owned();
-        let status = answer
-            .split(' ')
-            .nth(1)
-            .and_then(|status| status.parse().ok());
-        (status.unwrap_or_default(), answer)
+        ask(stream, path, headers)
     }
 
     fn host(&self) -> String {
@@ -98,33 +101,29 @@ impl Bench {
 
     /// A page of this server, or what else says these headers.
     fn connect(&self, origin: &str, version: &str) -> Result<Page, tungstenite::Error> {
-        let url = format!("ws://{}/motorlink?page={version}", self.address);
-        let mut request = url.into_client_request()?;
-        let headers = request.headers_mut();
-        headers.insert("Origin", HeaderValue::try_from(origin).unwrap());
-        if let Some(token) = &self.token {
-            let cookie = format!("other=1; motorlink-token={token}");
-            headers.insert("Cookie", HeaderValue::try_from(cookie).unwrap());
-        }
-        let (socket, _) = tungstenite::connect(request)?;
-        if let MaybeTlsStream::Plain(stream) = socket.get_ref() {
-            stream.set_read_timeout(Some(Duration::from_millis(50)))?;
-        }
-        Ok(Page {
-            socket,
-            answers: true,
-            challenge: 0,
-            epoch: None,
-            sequence: 0,
-            speed: None,
-            is_halted: false,
-        })
+        let stream = TcpStream::connect(self.address)?;
+        let token = self.token.as_ref().map(ToString::to_string);
+        Page::connect(stream, origin, version, token.as_deref())
     }
 
     fn page(&self) -> Page {
         let origin = format!("http://{}", self.address);
         self.connect(&origin, "remote-boot.js").unwrap()
     }
+}
+
+fn ask(mut stream: impl Read + Write, path: &str, headers: &str) -> (u16, String) {
+    let request = format!("GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n");
+    // The server may close before it has taken all of it.
+    let _ = stream.write_all(request.as_bytes());
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer);
+    let answer = String::from_utf8_lossy(&answer).into_owned();
+    let status = answer
+        .split(' ')
+        .nth(1)
+        .and_then(|status| status.parse().ok());
+    (status.unwrap_or_default(), answer)
 }
 
 impl Drop for Bench {
@@ -134,67 +133,9 @@ impl Drop for Bench {
     }
 }
 
-/// A page, as the worker and the main thread of a real one act together.
-struct Page {
-    socket: WebSocket<MaybeTlsStream<TcpStream>>,
-    answers: bool,
-    challenge: u64,
-    epoch: Option<u32>,
-    sequence: u32,
-    speed: Option<Rpm>,
-    is_halted: bool,
-}
-
 impl Page {
-    fn send(&mut self, message: &ToServer) {
-        let bytes = encode(message).unwrap();
-        // The server may have closed: the next message tells.
-        let _ = self.socket.send(Message::binary(bytes));
-    }
-
-    /// Takes what comes. Returns false once the server has closed.
-    fn receive(&mut self) -> bool {
-        let message = match self.socket.read() {
-            Ok(Message::Binary(bytes)) => decode(&bytes).unwrap(),
-            Ok(Message::Close(_)) => return false,
-            Ok(_) => return true,
-            Err(tungstenite::Error::Io(error)) => {
-                return matches!(
-                    error.kind(),
-                    std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
-                );
-            }
-            Err(_) => return false,
-        };
-        match message {
-            FromServer::Challenge(challenge) if self.answers => {
-                self.challenge = challenge;
-                self.send(&ToServer::Answer { challenge });
-            }
-            FromServer::Control { epoch, .. } => self.epoch = epoch,
-            FromServer::Page(bytes) => {
-                if let Ok(ToPage::Update(update)) = decode(&bytes) {
-                    self.update(&update);
-                }
-            }
-            _ => {}
-        }
-        true
-    }
-
-    fn update(&mut self, update: &Update) {
-        let motor = update.motors.first();
-        let reply = motor.and_then(|motor| motor.last.as_ref());
-        self.speed = reply.and_then(|sample| sample.reply.speed);
-        self.is_halted = update.halted;
-    }
-
-    fn wait(&mut self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
-        let until = Instant::now() + SOON;
-        while !is_so(self) {
-            assert!(Instant::now() < until, "waited for {what}");
-            assert!(self.receive(), "closed while waiting for {what}");
-        }
+    fn is_halted(&self) -> bool {
+        self.update.as_ref().is_some_and(|update| update.halted)
     }
 
     /// Lives on for a while.
@@ -215,55 +156,14 @@ impl Page {
         false
     }
 
-    fn take_control(&mut self) {
-        self.wait("a challenge", |page| page.challenge != 0);
-        self.send(&ToServer::Take { by_force: false });
-        self.wait("control", |page| page.epoch.is_some());
-        self.sequence = 0;
-    }
-
-    fn act(&mut self, command: Command) {
-        self.sequence += 1;
-        let stamp = Stamp {
-            epoch: self.epoch.unwrap_or_default(),
-            sequence: self.sequence,
-            challenge: self.challenge,
-        };
-        self.act_with(stamp, command);
-    }
-
-    fn act_with(&mut self, stamp: Stamp, command: Command) {
-        let message = ToWorker::Command {
-            command,
-            given_ms: 0.0,
-        };
-        self.send(&ToServer::Act {
-            stamp,
-            age_ms: 0,
-            message: encode(&message).unwrap(),
-        });
-    }
-
     fn drive(&mut self) {
-        self.wait("a reply", |page| page.speed.is_some());
+        self.wait("a reply", |page| page.speed().is_some());
         self.act(start());
         self.wait("a turning wheel", Self::turns);
     }
 
-    fn turns(&self) -> bool {
-        self.speed.is_some_and(|speed| speed.magnitude() > 50)
-    }
-
     fn stands(&self) -> bool {
-        self.speed.is_some_and(|speed| speed.magnitude() == 0)
-    }
-}
-
-fn start() -> Command {
-    Command::Start {
-        id: MotorId::FIRST,
-        setpoint: Setpoint::velocity(SpeedTarget::new(100).unwrap()),
-        consent: Consent::None,
+        self.speed().is_some_and(|speed| speed.magnitude() == 0)
     }
 }
 
@@ -277,13 +177,13 @@ fn the_operator_drives_and_silence_stops_the_wheel() {
     assert!(page.turns(), "it drives for as long as it answers");
     page.answers = false;
     page.wait("a standing wheel", Page::stands);
-    assert!(page.is_halted && page.epoch.is_none());
+    assert!(page.is_halted() && page.epoch.is_none());
     // It answers again, and does not drive again.
     page.answers = true;
     page.act(Command::Release);
     page.act(start());
     page.live(Duration::from_millis(600));
-    assert!(page.stands() && page.is_halted);
+    assert!(page.stands() && page.is_halted());
 }
 
 #[test]
@@ -298,7 +198,7 @@ fn a_watcher_cannot_drive_and_can_stop() {
     operator.drive();
     watcher.act(Command::StopAll(motorlink_bus::StopReason::Operator));
     operator.wait("a standing wheel", Page::stands);
-    assert!(operator.is_halted);
+    assert!(operator.is_halted());
 }
 
 /// The page's button Stop asks for zero in the motor's own loop.
@@ -314,7 +214,7 @@ fn a_watcher_stops_a_motor_by_asking_for_zero() {
         consent: Consent::None,
     });
     operator.wait("a standing wheel", Page::stands);
-    assert!(!operator.is_halted);
+    assert!(!operator.is_halted());
 }
 
 /// Questions and acts without the right to them do not fill the queue of the operator.
@@ -471,4 +371,40 @@ fn pages_are_limited() {
     assert!(pages[0].receive());
     let mut further = bench.page();
     assert!(further.closes());
+}
+
+#[test]
+fn an_encrypted_server_answers_only_encrypted_requests() {
+    let pem = Pem::make(vec!["127.0.0.1".to_owned()]).unwrap();
+    let token = Token::new().unwrap();
+    let bench = Bench::start_with(Some(token.clone()), Some(Tls::new(&pem).unwrap()));
+    let host = bench.host();
+    assert_eq!(bench.get("/", &host).0, 0, "no answer to a plain request");
+
+    let mut roots = RootCertStore::empty();
+    let certificate = CertificateDer::from_pem_slice(pem.certificate.as_bytes()).unwrap();
+    roots.add(certificate).unwrap();
+    let config = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_root_certificates(roots)
+        .with_no_client_auth();
+    let config = Arc::new(config);
+    let get = |path: &str, headers: &str| {
+        let name = ServerName::from(bench.address.ip());
+        let client = ClientConnection::new(Arc::clone(&config), name).unwrap();
+        let stream = TcpStream::connect(bench.address).unwrap();
+        ask(StreamOwned::new(client, stream), path, headers)
+    };
+    let (status, answer) = get(&format!("/?token={token}"), &host);
+    assert!(status == 303 && answer.contains("; Secure"), "{answer}");
+    let cookie = format!("{host}Cookie: motorlink-token={token}\r\n");
+    assert_eq!(get("/", &cookie).0, 200);
+    let upgrade = format!(
+        "{cookie}Origin: https://{}\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n",
+        bench.address
+    );
+    let upgrade = upgrade.replace("Origin", "Connection: Upgrade\r\nOrigin");
+    assert_eq!(get("/motorlink?page=other", &upgrade).0, 101);
 }

@@ -21,6 +21,12 @@ pub struct Serve {
     /// File of the token. It is created if it does not exist. Without it, each start makes a new token
     #[arg(long, value_name = "FILE")]
     pub token_file: Option<PathBuf>,
+    /// File of a certificate in PEM form, for an encrypted connection. It is made, with its key, if neither exists
+    #[arg(long, value_name = "FILE", requires = "key")]
+    pub certificate: Option<PathBuf>,
+    /// File of the private key of the certificate
+    #[arg(long, value_name = "FILE", requires = "certificate")]
+    pub key: Option<PathBuf>,
     /// Folder of the page, in place of the one that this program was built with
     #[arg(long, value_name = "FOLDER")]
     pub page: Option<PathBuf>,

@@ -21,7 +21,7 @@ pub fn token(file: Option<&Path>) -> Result<Token, Failure> {
         }),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let token = new()?;
-            write(file, &token).map_err(Failure::file(file))?;
+            write_secret(file, &format!("{token}\n")).map_err(Failure::file(file))?;
             Ok(token)
         }
         Err(error) => Err(Failure::file(file)(error)),
@@ -33,10 +33,10 @@ fn new() -> Result<Token, Failure> {
 }
 
 /// Only its owner can read the file.
-fn write(path: &Path, token: &Token) -> io::Result<()> {
+pub fn write_secret(path: &Path, text: &str) -> io::Result<()> {
     let mut options = fs::OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    writeln!(options.open(path)?, "{token}")
+    options.open(path)?.write_all(text.as_bytes())
 }

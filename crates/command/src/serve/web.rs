@@ -1,0 +1,140 @@
+//! What the web server is started with. What can be wrong with it is said before the port of the motors is opened.
+
+use std::{
+    io::{self, IsTerminal},
+    net::{IpAddr, SocketAddr, TcpListener},
+    path::{Path, PathBuf},
+};
+
+use motorlink_remote_server::{Access, Server, Site, Tls, Token, Viewers};
+use qrcode::{QrCode, render::unicode};
+
+use crate::{
+    failure::Failure,
+    serve::{
+        arguments::Serve,
+        certificate::{certificate, local_names, names},
+        token,
+    },
+};
+
+/// A web server before its start.
+pub struct Web {
+    listener: TcpListener,
+    site: Site,
+    access: Access,
+    tls: Option<Tls>,
+    links: Vec<String>,
+}
+
+impl Web {
+    /// Reads the page, token and certificate, and listens.
+    ///
+    /// # Errors
+    /// One of them is missing or wrong, or the address is in use.
+    pub fn prepare(how: Serve) -> Result<Self, Failure> {
+        let site = Site::open(how.page).map_err(|error| Failure::Usage(error.to_string()))?;
+        let listen = how.listen.0;
+        let is_private = listen.ip().is_loopback() && how.names.is_empty();
+        // Another name is that of a proxy: others connect through it.
+        let token = if is_private && how.token_file.is_none() {
+            None
+        } else {
+            Some(token::token(how.token_file.as_deref())?)
+        };
+        let outgoing = outgoing_address();
+        let tls = match (&how.certificate, &how.key) {
+            (Some(file), Some(key)) => {
+                let names = names(listen.ip(), outgoing, &how.names);
+                Some(certificate(file, key, names)?)
+            }
+            _ => None,
+        };
+        let listener = TcpListener::bind(listen).map_err(|error| in_use(listen, &error))?;
+        let listen = listener.local_addr().map_err(Failure::output)?;
+        let shown = match listen.ip() {
+            // Every address of this computer; the one that leads to the network is shown.
+            ip if ip.is_unspecified() => outgoing.unwrap_or(ip),
+            ip => ip,
+        };
+        let scheme = if tls.is_some() { "https" } else { "http" };
+        let origin = format!("{scheme}://{}", SocketAddr::new(shown, listen.port()));
+        let links = match &token {
+            None => vec![format!("Open {origin}/ on this computer. Ctrl-C ends.")],
+            Some(token) => links(&origin, token, how.token_file.as_deref(), tls.is_some()),
+        };
+        let mut known = how.names;
+        // A name that others give this computer is safe where a token is needed.
+        if token.is_some() {
+            known.extend(local_names());
+        }
+        let access = Access::new(listen, known, token);
+        let access = match tls {
+            Some(_) => access.encrypted(),
+            None => access,
+        };
+        Ok(Self {
+            listener,
+            site,
+            access,
+            tls,
+            links,
+        })
+    }
+
+    /// Starts the server. Returns what a person opens too.
+    ///
+    /// # Errors
+    /// The system gives no threads.
+    pub fn start(self, viewers: Viewers) -> io::Result<(Server, Vec<String>)> {
+        let server = Server::start(self.listener, self.access, self.site, viewers, self.tls)?;
+        Ok((server, self.links))
+    }
+}
+
+fn in_use(listen: SocketAddr, error: &io::Error) -> Failure {
+    Failure::Usage(match error.kind() {
+        io::ErrorKind::AddrInUse => {
+            format!("--listen {listen}: another program listens there; choose another port")
+        }
+        io::ErrorKind::PermissionDenied => {
+            format!("--listen {listen}: not permitted; choose a port above 1023")
+        }
+        _ => format!("--listen {listen}: {error}"),
+    })
+}
+
+/// What a person opens, with a picture for phones.
+fn links(origin: &str, token: &Token, file: Option<&Path>, is_encrypted: bool) -> Vec<String> {
+    if let Some(file) = file
+        .map(PathBuf::from)
+        .filter(|_| !io::stderr().is_terminal())
+    {
+        // The journal of the system is no place for a secret.
+        let file = file.display();
+        return vec![format!(
+            "Open {origin}/?token=TOKEN with the token in {file}."
+        )];
+    }
+    let link = format!("{origin}/?token={token}");
+    let warning = if is_encrypted {
+        "Who has this link can drive the motors."
+    } else {
+        "Who has this link can drive the motors. The connection is not encrypted: use it in a network that you trust, or use \
+         --certificate."
+    };
+    let mut lines = vec![format!("Open {link}"), warning.to_owned()];
+    if let Ok(code) = QrCode::new(&link) {
+        lines.push(code.render::<unicode::Dense1x2>().build());
+    }
+    lines.push("Ctrl-C ends.".to_owned());
+    lines
+}
+
+/// The address from which this computer reaches others. Nothing is sent.
+fn outgoing_address() -> Option<IpAddr> {
+    let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
+    // An address for documentation (RFC 5737): only the route to it is asked for.
+    socket.connect("192.0.2.1:9").ok()?;
+    Some(socket.local_addr().ok()?.ip())
+}

@@ -1,0 +1,213 @@
+//! The encrypted connection: the certificate, and the name of the server in it.
+
+use std::{
+    error::Error,
+    fmt,
+    sync::Arc,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use rcgen::{CertificateParams, DnType, KeyPair, date_time_ymd};
+use tokio_rustls::{
+    TlsAcceptor,
+    rustls::{
+        ServerConfig,
+        crypto::ring,
+        pki_types::{CertificateDer, PrivateKeyDer, UnixTime, pem::PemObject},
+    },
+};
+use webpki::{EndEntityCert, KeyUsage, anchor_from_trusted_cert};
+
+/// A certificate with its key, ready for connections.
+#[derive(Clone)]
+pub struct Tls(TlsAcceptor);
+
+impl fmt::Debug for Tls {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Not the key.
+        f.write_str("Tls")
+    }
+}
+
+/// Why a certificate cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoTls {
+    /// There is no certificate in the text.
+    Certificate,
+    /// There is no private key in the text.
+    Key,
+    /// The key is not that of the certificate.
+    OtherKey,
+    /// The certificate was valid until now.
+    Expired,
+    /// The certificate is not valid yet, or the clock of this computer is behind.
+    NotYet,
+    /// A new one could not be made.
+    NotMade,
+}
+
+impl fmt::Display for NoTls {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Certificate => "not a certificate in PEM form",
+            Self::Key => "not a private key in PEM form",
+            Self::OtherKey => "the private key is not that of the certificate",
+            Self::Expired => "the certificate has expired",
+            Self::NotYet => {
+                "the certificate is not valid yet, or the clock of this computer is behind"
+            }
+            Self::NotMade => "no certificate can be made for these names",
+        })
+    }
+}
+
+impl Error for NoTls {}
+
+/// A certificate and its key as text, in PEM form.
+#[derive(Clone)]
+pub struct Pem {
+    /// The certificate, with those of its issuers behind it.
+    pub certificate: String,
+    /// The private key.
+    pub key: String,
+}
+
+impl fmt::Debug for Pem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pem").finish_non_exhaustive()
+    }
+}
+
+impl Pem {
+    /// A new certificate for these names and addresses, which no authority has signed: browsers ask the person whether to
+    /// trust it.
+    ///
+    /// # Errors
+    /// [`NoTls::NotMade`]: a name has other characters than names of computers have.
+    pub fn make(names: Vec<String>) -> Result<Self, NoTls> {
+        let make = || {
+            let mut params = CertificateParams::new(names)?;
+            params
+                .distinguished_name
+                .push(DnType::CommonName, "MotorLink");
+            // A Raspberry Pi has no clock that runs without power: no early date is too early.
+            params.not_before = date_time_ymd(1975, 1, 1);
+            params.not_after = date_time_ymd(2049, 1, 1);
+            let key = KeyPair::generate()?;
+            let certificate = params.self_signed(&key)?;
+            Ok::<_, rcgen::Error>(Self {
+                certificate: certificate.pem(),
+                key: key.serialize_pem(),
+            })
+        };
+        make().map_err(|_| NoTls::NotMade)
+    }
+}
+
+impl Tls {
+    /// Encrypts with this certificate.
+    ///
+    /// # Errors
+    /// [`NoTls`] says what is wrong with it.
+    pub fn new(pem: &Pem) -> Result<Self, NoTls> {
+        let chain: Vec<CertificateDer<'static>> =
+            CertificateDer::pem_slice_iter(pem.certificate.as_bytes())
+                .collect::<Result<_, _>>()
+                .map_err(|_| NoTls::Certificate)?;
+        check_validity(chain.first().ok_or(NoTls::Certificate)?)?;
+        let key = PrivateKeyDer::from_pem_slice(pem.key.as_bytes()).map_err(|_| NoTls::Key)?;
+        let provider = Arc::new(ring::default_provider());
+        let config = ServerConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .map_err(|_| NoTls::NotMade)?
+            .with_no_client_auth()
+            .with_single_cert(chain, key)
+            .map_err(|_| NoTls::OtherKey)?;
+        Ok(Self(TlsAcceptor::from(Arc::new(config))))
+    }
+
+    pub(crate) const fn acceptor(&self) -> &TlsAcceptor {
+        &self.0
+    }
+}
+
+/// Whether the certificate is valid today. Who has signed it, browsers check.
+fn check_validity(certificate: &CertificateDer<'_>) -> Result<(), NoTls> {
+    let leaf = EndEntityCert::try_from(certificate).map_err(|_| NoTls::Certificate)?;
+    // As if it were its own issuer: its dates are checked first.
+    let anchors = [anchor_from_trusted_cert(certificate).map_err(|_| NoTls::Certificate)?];
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let now = UnixTime::since_unix_epoch(now.unwrap_or(Duration::ZERO));
+    let algorithms = ring::default_provider()
+        .signature_verification_algorithms
+        .all;
+    let checked = leaf.verify_for_usage(
+        algorithms,
+        &anchors,
+        &[],
+        now,
+        KeyUsage::server_auth(),
+        None,
+        None,
+    );
+    match checked {
+        Err(webpki::Error::CertExpired { .. }) => Err(NoTls::Expired),
+        Err(webpki::Error::CertNotValidYet { .. }) => Err(NoTls::NotYet),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made() -> Pem {
+        Pem::make(vec!["rover.local".to_owned(), "192.168.1.20".to_owned()]).unwrap()
+    }
+
+    fn with_dates(from: i32, to: i32) -> Pem {
+        let mut params = CertificateParams::new(vec!["rover.local".to_owned()]).unwrap();
+        params.not_before = date_time_ymd(from, 1, 1);
+        params.not_after = date_time_ymd(to, 1, 1);
+        let key = KeyPair::generate().unwrap();
+        Pem {
+            certificate: params.self_signed(&key).unwrap().pem(),
+            key: key.serialize_pem(),
+        }
+    }
+
+    fn refused(pem: &Pem) -> Option<NoTls> {
+        Tls::new(pem).err()
+    }
+
+    #[test]
+    fn a_certificate_is_made_and_read() {
+        assert_eq!(refused(&made()), None);
+        assert_eq!(
+            Pem::make(vec!["röver".to_owned()]).unwrap_err(),
+            NoTls::NotMade
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_certificate_is_said() {
+        let (good, other) = (made(), made());
+        let with_other_key = Pem {
+            key: other.key,
+            ..good.clone()
+        };
+        assert_eq!(refused(&with_other_key), Some(NoTls::OtherKey));
+        let without_key = Pem {
+            key: "-----BEGIN".to_owned(),
+            ..good.clone()
+        };
+        assert_eq!(refused(&without_key), Some(NoTls::Key));
+        let without_certificate = Pem {
+            certificate: good.key.clone(),
+            ..good
+        };
+        assert_eq!(refused(&without_certificate), Some(NoTls::Certificate));
+        assert_eq!(refused(&with_dates(2001, 2002)), Some(NoTls::Expired));
+        assert_eq!(refused(&with_dates(2090, 2091)), Some(NoTls::NotYet));
+    }
+}
