@@ -13,6 +13,9 @@ use crate::wire::Stamp;
 pub const LEASE: Duration = Duration::from_millis(400);
 /// How often each page is challenged: a lease survives three lost answers.
 pub const CHALLENGES_EVERY: Duration = Duration::from_millis(100);
+/// How often the operator's page sends its newest answer again. TCP notices that a packet is lost when it hears of later
+/// ones. With the answers alone, two losses in a row end the lease on a good network; see docs/performance.md.
+pub const ANSWER_AGAIN_EVERY: Duration = Duration::from_millis(25);
 /// How old the challenge of an act may be: as old as that of a lease.
 pub const ACTS_WITHIN: Duration = LEASE;
 /// How long after its question a page may take control without consent. The second click of a double click does not.

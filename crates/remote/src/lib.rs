@@ -10,7 +10,7 @@ mod control;
 mod wire;
 
 pub use control::{
-    ACTS_WITHIN, CHALLENGES_EVERY, Control, Ended, FORCE_AFTER, LEASE, NotDone, Taken, VIEWERS_MAX,
-    ViewerId,
+    ACTS_WITHIN, ANSWER_AGAIN_EVERY, CHALLENGES_EVERY, Control, Ended, FORCE_AFTER, LEASE, NotDone,
+    Taken, VIEWERS_MAX, ViewerId,
 };
 pub use wire::{FromServer, Stamp, ToServer, Viewer};

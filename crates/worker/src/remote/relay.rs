@@ -9,7 +9,7 @@ use motorlink_messages::{
     remote::{RemoteRequest, WhoDrives},
 };
 use motorlink_protocol::Instant;
-use motorlink_remote::{FromServer, Stamp, ToServer, Viewer};
+use motorlink_remote::{ANSWER_AGAIN_EVERY, FromServer, Stamp, ToServer, Viewer};
 use web_sys::MessagePort;
 
 use crate::{
@@ -109,6 +109,9 @@ pub(crate) fn start() {
         },
         Incoming::TrafficPort(port) => of_page.borrow_mut().recorder = Some(port),
     });
+    let answering = Rc::clone(&relay);
+    let again_ms = u32::try_from(ANSWER_AGAIN_EVERY.as_millis()).unwrap_or(u32::MAX);
+    Interval::new(again_ms, move || answering.borrow().answer_again()).forget();
     Interval::new(LOOK_EVERY_MS, move || look(&relay)).forget();
 }
 
@@ -214,6 +217,15 @@ impl Relay {
         if let Some(Some(challenge)) = self.pings.pop_front() {
             self.answered = challenge;
             self.send(&ToServer::Answer { challenge });
+        }
+    }
+
+    /// Sends the newest answer again: a lost packet before it is sent again sooner then.
+    fn answer_again(&self) {
+        if self.epoch.is_some() {
+            self.send(&ToServer::Answer {
+                challenge: self.answered,
+            });
         }
     }
 
