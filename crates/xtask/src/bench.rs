@@ -70,7 +70,7 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 11] = [
+const PARTS: [&str; 12] = [
     "start",
     "figures",
     "instruments",
@@ -82,6 +82,7 @@ const PARTS: [&str; 11] = [
     "recordings",
     "driver",
     "commands",
+    "remote",
 ];
 
 /// The document with the measured figures.

@@ -63,6 +63,7 @@ pub use first_press::{FirstPress, Slowness};
 pub use line::Line;
 pub use main_thread::Work;
 pub use memory::Memory;
+pub use motors::Motors;
 pub use page::Page;
 pub use processor_time::threads_time;
 pub use retry::retry;

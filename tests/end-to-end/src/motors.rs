@@ -17,7 +17,7 @@ use crate::wait::{WAIT_MAX, wait_until};
 const END_MAX: Duration = Duration::from_secs(2);
 
 /// Running virtual motors; they end when dropped.
-pub(crate) struct Motors {
+pub struct Motors {
     program: Child,
     node: PathBuf,
     /// The file with the program's output: `ready ..` once, then an answer to each command.
@@ -26,7 +26,11 @@ pub(crate) struct Motors {
 
 impl Motors {
     /// Starts them with their terminal at `node` and their wire log in `log`; `dir` is for their output.
-    pub(crate) fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    ///
+    /// When the program does not start.
+    pub fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
         let program = artefacts::command()?;
         let ids: Vec<String> = line.ids.iter().map(ToString::to_string).collect();
         let errors = dir.join("virtual-motor.stderr");

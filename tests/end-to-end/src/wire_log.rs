@@ -105,7 +105,11 @@ pub struct WireLog {
 
 impl WireLog {
     /// This log followed by the log in a file, without an incomplete last line.
-    pub(crate) fn followed_by(mut self, path: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    ///
+    /// When there is none, or it is not one.
+    pub fn followed_by(mut self, path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path)
             .with_context(|| format!("no wire log at {}", path.display()))?;
         self.extend(&text)
