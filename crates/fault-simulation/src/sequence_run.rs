@@ -66,6 +66,7 @@ impl Runs {
                 Cause::Unplugged
                 | Cause::TabClosed
                 | Cause::PageSilent
+                | Cause::OperatorLost
                 | Cause::FocusLost
                 | Cause::Slept
                 | Cause::Late

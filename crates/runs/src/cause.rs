@@ -37,7 +37,8 @@ const fn withdrawn(id: MotorId, reason: WithdrawReason) -> Cause {
 const fn stopped(reason: StopReason) -> Cause {
     match reason {
         StopReason::PageGone => Cause::TabClosed,
-        StopReason::PageSilent | StopReason::OperatorLost => Cause::PageSilent,
+        StopReason::PageSilent => Cause::PageSilent,
+        StopReason::OperatorLost => Cause::OperatorLost,
         StopReason::PageHidden => Cause::FocusLost,
         StopReason::ComputerSlept => Cause::Slept,
         StopReason::LoopDelayed => Cause::Late,

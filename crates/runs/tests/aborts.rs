@@ -107,6 +107,12 @@ const ABORTS: [Abort; 15] = [
         true,
     ),
     abort(
+        "remote control ended",
+        |it| it.command(Command::StopAll(StopReason::OperatorLost)),
+        |cause| cause == Cause::OperatorLost,
+        true,
+    ),
+    abort(
         "page silent",
         |it| {
             it.page_answers = false;

@@ -317,6 +317,7 @@ fn cause(cause: Cause, row: Option<usize>) -> String {
         Cause::Unplugged => tr!("the adapter was unplugged").to_owned(),
         Cause::TabClosed => tr!("the page was closed").to_owned(),
         Cause::PageSilent => tr!("the page did not respond").to_owned(),
+        Cause::OperatorLost => tr!("remote control ended").to_owned(),
         Cause::FocusLost => tr!("the page lost the focus").to_owned(),
         Cause::Slept => tr!("the computer slept").to_owned(),
         Cause::Late => tr!("the computer was too busy for half a second").to_owned(),

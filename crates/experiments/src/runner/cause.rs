@@ -46,6 +46,8 @@ pub enum Cause {
     TabClosed,
     /// The page does not answer.
     PageSilent,
+    /// The page that drove over a network has lost or given up control.
+    OperatorLost,
     /// The page has lost the focus, and [`Options::stop_on_lost_focus`](super::Options) is set.
     FocusLost,
     /// The computer slept.
@@ -143,6 +145,7 @@ impl fmt::Display for Cause {
             Self::Unplugged => f.write_str("the adapter was unplugged"),
             Self::TabClosed => f.write_str("the page was closed"),
             Self::PageSilent => f.write_str("the page did not respond"),
+            Self::OperatorLost => f.write_str("remote control ended"),
             Self::FocusLost => f.write_str("the page lost the focus"),
             Self::Slept => f.write_str("the computer slept"),
             Self::Late => f.write_str("the computer was too busy for half a second"),
