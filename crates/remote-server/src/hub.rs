@@ -65,10 +65,11 @@ impl Hub {
                 self.outbox.event(event, self.is_stopping);
             }
             Entry::Refused { command, refusal } => {
-                self.outbox.notice(Notice::Refused { command, refusal });
+                let notice = Notice::Refused { command, refusal };
+                self.viewers.not_carried_out(&notice);
             }
-            Entry::TooLate(command) => self.outbox.notice(Notice::TooLate(command)),
-            Entry::NotConnected(_) => self.outbox.notice(Notice::NotConnected),
+            Entry::TooLate(command) => self.viewers.not_carried_out(&Notice::TooLate(command)),
+            Entry::NotConnected(_) => self.viewers.not_carried_out(&Notice::NotConnected),
             Entry::PortLost { driven } => {
                 self.is_open = false;
                 self.outbox.notice(Notice::AdapterLost { driven });

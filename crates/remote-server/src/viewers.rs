@@ -25,6 +25,9 @@ const QUEUE: usize = 32;
 /// Updates that wait for the slowest page: one or two seconds of them. A page that takes longer misses some.
 const UPDATES: usize = 64;
 
+/// The driver refuses a command at once, and a busy computer needs longer.
+const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
+
 /// How often the lease is looked at.
 const LOOK_MAX: Duration = Duration::from_millis(10);
 const LOOK_MIN: Duration = Duration::from_millis(1);
@@ -46,6 +49,8 @@ struct State {
     pages: BTreeMap<ViewerId, Page>,
     /// Notices for one page, which the hub sends with the state.
     notices: Vec<(ViewerId, Notice)>,
+    /// The pages without the lease that have stopped something lately, and when.
+    stopped: BTreeMap<ViewerId, Instant>,
     /// Lines for the log of the server.
     log: Vec<String>,
     /// Whether a page waits for a state.
@@ -95,6 +100,7 @@ impl Viewers {
             commander,
             pages: BTreeMap::new(),
             notices: Vec::new(),
+            stopped: BTreeMap::new(),
             log: Vec::new(),
             has_new: false,
             told: (None, None),
@@ -147,6 +153,7 @@ impl Viewers {
     pub(crate) fn leave(&self, viewer: ViewerId) {
         let mut state = self.state();
         state.pages.remove(&viewer);
+        state.stopped.remove(&viewer);
         let ended = state.control.leave(viewer);
         state.stop_after(ended);
         state.tell_control();
@@ -209,6 +216,22 @@ impl Viewers {
     /// The notices for single pages.
     pub(crate) fn take_notices(&self) -> Vec<(ViewerId, Notice)> {
         std::mem::take(&mut self.state().notices)
+    }
+
+    /// Keeps a notice for the pages that may have given a command that was not carried out: the operator, and who has
+    /// stopped something within a second.
+    pub(crate) fn not_carried_out(&self, notice: &Notice) {
+        let mut state = self.state();
+        let now = state.clock.now();
+        state.stopped.retain(|_, at| *at + ANSWERED_WITHIN > now);
+        let operator = state.control.operator().map(|(holder, _)| holder);
+        let given: Vec<_> = operator
+            .into_iter()
+            .chain(state.stopped.keys().copied())
+            .collect();
+        state
+            .notices
+            .extend(given.into_iter().map(|viewer| (viewer, notice.clone())));
     }
 
     /// Adds a line to the log of the server, unless it has many.
@@ -316,7 +339,7 @@ impl State {
         match command {
             // Everybody may stop, and a late stop is one too.
             Command::Stop(_) | Command::StopAll(StopReason::Operator) | Command::StopRaw => {
-                self.stop(now, is_operator, [command]);
+                self.stop(now, viewer, is_operator, [command]);
             }
             // The operator's page was closed or hidden. That of a watcher stops nothing.
             Command::StopAll(_) => {
@@ -336,7 +359,7 @@ impl State {
                         if stops.is_empty() {
                             self.not_done(viewer, command.into(), done.err());
                         }
-                        self.stop(now, is_operator, stops);
+                        self.stop(now, viewer, is_operator, stops);
                     }
                 }
             }
@@ -344,11 +367,18 @@ impl State {
     }
 
     /// Gives stops of any page to the driver.
-    fn stop(&mut self, now: Instant, is_operator: bool, stops: impl IntoIterator<Item = Command>) {
+    fn stop(
+        &mut self,
+        now: Instant,
+        viewer: ViewerId,
+        is_operator: bool,
+        stops: impl IntoIterator<Item = Command>,
+    ) {
         for stop in stops {
             self.commander.command(stop);
             if !is_operator {
                 self.control.stopped_by_other(now);
+                self.stopped.insert(viewer, now);
             }
         }
     }

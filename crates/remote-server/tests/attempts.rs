@@ -15,7 +15,7 @@ use std::{
 
 use motorlink_bus::{Command, Consent};
 use motorlink_driver::{Driver, Next, Options, Place, VirtualLine};
-use motorlink_messages::{Adapter, encode};
+use motorlink_messages::{Adapter, Notice, encode};
 use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_remote::{Stamp, ToServer, VIEWERS_MAX};
 use motorlink_remote_server::{Access, Hub, Pem, Server, Site, Tls, Token, Viewers};
@@ -134,6 +134,15 @@ impl Drop for Bench {
 }
 
 impl Page {
+    /// Whether the newest update says that a command was not carried out.
+    fn is_refused(&self) -> bool {
+        let update = self.update.as_ref();
+        let notices = update.map_or(&[][..], |update| &update.notices);
+        notices
+            .iter()
+            .any(|notice| matches!(notice, Notice::Refused { .. }))
+    }
+
     fn is_halted(&self) -> bool {
         self.update.as_ref().is_some_and(|update| update.halted)
     }
@@ -215,6 +224,23 @@ fn a_watcher_stops_a_motor_by_asking_for_zero() {
     });
     operator.wait("a standing wheel", Page::stands);
     assert!(!operator.is_halted());
+}
+
+/// The driver refuses a start before Release. A page that only watches has not asked for it.
+#[test]
+fn a_refusal_is_told_to_the_page_that_asked() {
+    let bench = Bench::start(None);
+    let (mut operator, mut watcher) = (bench.page(), bench.page());
+    operator.take_control();
+    operator.act(Command::StopAll(motorlink_bus::StopReason::Operator));
+    operator.wait("a halt", Page::is_halted);
+    operator.act(start());
+    operator.wait("a refusal", Page::is_refused);
+    let until = Instant::now() + Duration::from_millis(500);
+    while Instant::now() < until {
+        watcher.receive();
+        assert!(!watcher.is_refused());
+    }
 }
 
 /// Questions and acts without the right to them do not fill the queue of the operator.
