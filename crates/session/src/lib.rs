@@ -7,6 +7,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `record` | the records of a session |
+//! | `messages` | records in, JSON messages by channel out |
 //! | `writer` | records in, bytes of a file out |
 //! | `reader` | bytes of a file in, records out |
 //! | `replay` | plays records: what the page shows at a place of the session |
@@ -48,6 +49,7 @@ mod export;
 mod format;
 mod import;
 mod mcap;
+mod messages;
 mod overview;
 mod page_messages;
 mod reader;
@@ -56,10 +58,11 @@ mod replay;
 mod runs;
 mod writer;
 
-pub use channels::TelemetryJson;
+pub use channels::{Channel, TelemetryJson};
 pub use copy::{BOOKMARK_TEXT_MAX, CopyStep, Copying, copy};
 pub use export::{About, Table, report};
 pub use import::Import;
+pub use messages::{Message, Messages};
 pub use overview::{BOOKMARKS_MAX, BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
 pub use reader::{
     Attachment, Cursor, Next, NotASession, Opening, Problem, Problems, Session, Source, Step,

@@ -11,6 +11,8 @@
 //!
 //! `docs/sessions.md` describes them for people who read such files.
 
+mod channel;
+pub use channel::Channel;
 pub(crate) mod events;
 mod json;
 pub(crate) mod link;
