@@ -37,12 +37,11 @@ mod values;
 mod virtual_motors;
 mod watching;
 mod wizard;
-mod words;
 
 use std::ffi::OsString;
 
 use clap::{Parser, error::ErrorKind};
-use motorlink_driver::Ender;
+use motorlink_driver::{Ender, words};
 use motorlink_experiments::study::StudyKind;
 
 /// What the Python package uses.

@@ -8,7 +8,7 @@ use std::{
 };
 
 use motorlink_bus::{Event, LineEvent, LineEventKind};
-use motorlink_driver::{Ender, Entry};
+use motorlink_driver::{Ender, Entry, zero_unix_us};
 use motorlink_protocol::MotorId;
 use motorlink_recorder::{CsvLines, LocalTime, WallClock};
 use motorlink_session::TelemetryJson;
@@ -18,7 +18,6 @@ use crate::{
     connection::{Connection, Happened, on_line},
     failure::Failure,
     output::{print, rows_to},
-    recording::zero_unix_us,
     values::Values,
     watching::watch_found,
 };

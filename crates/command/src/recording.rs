@@ -4,15 +4,15 @@ use std::{
     fs::File,
     io::{BufWriter, Write},
     path::{Path, PathBuf},
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    time::{SystemTime, UNIX_EPOCH},
 };
 
-use motorlink_bus::{Event, StopReport};
-use motorlink_driver::Entry;
+use motorlink_bus::Event;
+use motorlink_driver::{Entry, words, zero_unix_us};
 use motorlink_protocol::Instant;
-use motorlink_session::{Event as Mark, EventKind, Writer};
+use motorlink_session::Writer;
 
-use crate::{failure::Failure, words};
+use crate::failure::Failure;
 
 /// Bytes of one write.
 const PIECE: usize = 64 << 10;
@@ -48,21 +48,9 @@ impl Recording {
         let writer = &mut self.writer;
         match entry {
             Entry::Event(Event::Line(line)) => writer.line(line),
-            Entry::Event(Event::StopEnded(report)) => writer.event(at, &stop_mark(report)),
             entry => {
-                if let Some(text) = words::of_entry(entry) {
-                    let kind = match entry {
-                        Entry::PortLost { .. } => EventKind::Disconnected,
-                        Entry::PortBack => EventKind::Connected,
-                        _ => EventKind::Notice,
-                    };
-                    let mark = Mark {
-                        kind,
-                        error: false,
-                        text,
-                        motors: Vec::new(),
-                    };
-                    writer.event(at, &mark);
+                if let Some(event) = words::session_event(entry) {
+                    writer.event(at, &event);
                 }
             }
         }
@@ -82,27 +70,9 @@ impl Recording {
     }
 }
 
-fn stop_mark(report: &StopReport) -> Mark {
-    Mark {
-        kind: EventKind::StopEnded,
-        error: report.motors.iter().any(|motor| !motor.confirmed),
-        text: words::of_stop(report),
-        motors: report.motors.clone(),
-    }
-}
-
 /// The wall clock now, in milliseconds since 1970.
 #[must_use]
 pub fn unix_ms() -> u64 {
     let unix = SystemTime::now().duration_since(UNIX_EPOCH);
     u64::try_from(unix.unwrap_or_default().as_millis()).unwrap_or_default()
-}
-
-/// The wall clock at [`Instant::ZERO`], in microseconds since 1970, where it is `now` now.
-pub fn zero_unix_us(now: Instant) -> i64 {
-    let unix = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    let zero = unix.saturating_sub(Duration::from_micros(now.as_micros()));
-    i64::try_from(zero.as_micros()).unwrap_or_default()
 }

@@ -5,6 +5,16 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use motorlink_messages::AwakeClock;
 use motorlink_protocol::Instant;
 
+/// The wall clock at [`Instant::ZERO`], in microseconds since 1970, where it is `now` now.
+#[must_use]
+pub fn zero_unix_us(now: Instant) -> i64 {
+    let unix = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    let zero = unix.saturating_sub(Duration::from_micros(now.as_micros()));
+    i64::try_from(zero.as_micros()).unwrap_or_default()
+}
+
 /// A clock that begins a second after [`Instant::ZERO`], so that a moment just before it can be told.
 #[derive(Debug)]
 pub struct Clock {

@@ -35,8 +35,9 @@ mod ports;
 mod runs;
 mod serial_line;
 mod this_computer;
+pub mod words;
 
-pub use clock::Clock;
+pub use clock::{Clock, zero_unix_us};
 pub use computer::Computer;
 pub use driven_file::{DrivenFile, NoFile, Store};
 pub use driver::{Commander, Driver, Next, run_on};

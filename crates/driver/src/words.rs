@@ -1,10 +1,32 @@
-//! What the bus reports, in words for a terminal.
+//! What the bus reports, in words for a terminal and for session files.
 
 use motorlink_bus::{CommandKind, Event, IdQueryOutcome, StopReason, StopReport, WithdrawReason};
-use motorlink_driver::Entry;
 use motorlink_protocol::MotorId;
+use motorlink_session::{Event as Mark, EventKind};
+
+use crate::entry::Entry;
+
+/// The event of a session file, for an entry that is no frame; `None` if it is routine.
+#[must_use]
+pub fn session_event(entry: &Entry) -> Option<Mark> {
+    if let Entry::Event(Event::StopEnded(report)) = entry {
+        return Some(Mark {
+            kind: EventKind::StopEnded,
+            error: report.motors.iter().any(|motor| !motor.confirmed),
+            text: of_stop(report),
+            motors: report.motors.clone(),
+        });
+    }
+    let kind = match entry {
+        Entry::PortLost { .. } => EventKind::Disconnected,
+        Entry::PortBack => EventKind::Connected,
+        _ => EventKind::Notice,
+    };
+    Some(Mark::new(kind, of_entry(entry)?))
+}
 
 /// The IDs with commas between.
+#[must_use]
 pub fn ids(ids: impl IntoIterator<Item = MotorId>) -> String {
     let ids = ids.into_iter().map(|id| id.to_string());
     ids.collect::<Vec<_>>().join(", ")
@@ -128,6 +150,7 @@ fn why_withdrawn(reason: WithdrawReason) -> String {
 }
 
 /// What a stop has shown of each motor.
+#[must_use]
 pub fn of_stop(report: &StopReport) -> String {
     let of_motor = |motor: &motorlink_bus::StopOutcome| {
         let id = motor.id;
