@@ -14,6 +14,8 @@ use axum::{
     http::{
         HeaderMap, HeaderValue, StatusCode,
         header::{COOKIE, HOST, LOCATION, ORIGIN, SET_COOKIE},
+        request::Parts,
+        uri::Authority,
     },
     response::{IntoResponse, Response},
 };
@@ -28,6 +30,9 @@ const ADDRESSES_MAX: usize = 4096;
 
 /// The path of the WebSocket.
 pub(crate) const SOCKET: &str = "/motorlink";
+
+/// The path of the WebSocket that only tells, for Foxglove and other programs.
+pub(crate) const FOXGLOVE: &str = "/foxglove";
 
 const COOKIE_NAME: &str = "motorlink-token";
 
@@ -131,7 +136,7 @@ impl Access {
         let token = self.token.as_ref()?;
         let path = request.uri().path();
         // The files of the page are public: the browser asks for some of them without its cookies.
-        if !matches!(path, "/" | "/index.html" | SOCKET) {
+        if !matches!(path, "/" | "/index.html" | SOCKET | FOXGLOVE) {
             return None;
         }
         let has_cookie = has_cookie(headers, token);
@@ -157,7 +162,8 @@ impl Access {
                 "Wrong token. Open the link that `motorlink serve` prints.\n",
             ));
         }
-        Some(self.with_cookie(path, token))
+        // Its clients keep no cookie and follow no other address.
+        (path != FOXGLOVE).then(|| self.with_cookie(path, token))
     }
 
     /// Other web sites can lead a browser here by a name of their own (DNS rebinding).
@@ -223,6 +229,23 @@ impl Access {
         response
     }
 
+    /// Whether a request that [`Access::check`] lets through may watch by Foxglove's protocol. The program may be a page of
+    /// another site, which only the token in its address lets in: the browser could add the cookie on its own.
+    pub(crate) fn may_watch(&self, parts: &Parts) -> bool {
+        // A program that is no browser says no origin.
+        let Some(origin) = parts.headers.get(ORIGIN) else {
+            return true;
+        };
+        if Self::is_own_page(&parts.headers) {
+            return true;
+        }
+        let Some(token) = &self.token else {
+            return origin.to_str().is_ok_and(is_plotter);
+        };
+        let given = token_in(parts.uri.query().unwrap_or_default());
+        given.is_some_and(|given| token.is(&given))
+    }
+
     fn may_try(&self, address: IpAddr) -> bool {
         let mut wrong = self.wrong.lock().unwrap_or_else(PoisonError::into_inner);
         wrong.retain(|_, wrong| wrong.since.elapsed() < MINUTE);
@@ -240,6 +263,23 @@ impl Access {
         };
         wrong.entry(network(address)).or_insert(none).count += 1;
     }
+}
+
+/// Whether a page of this origin may watch without a token: that of Foxglove, of a program on this computer, or of a file.
+/// A frame of any site can have the origin `null`.
+fn is_plotter(origin: &str) -> bool {
+    if matches!(origin, "https://app.foxglove.dev" | "file://") {
+        return true;
+    }
+    let host = origin
+        .strip_prefix("http://")
+        .or_else(|| origin.strip_prefix("https://"));
+    let Some(host) = host.and_then(|host| host.parse::<Authority>().ok()) else {
+        return false;
+    };
+    let name = host.host().trim_start_matches('[').trim_end_matches(']');
+    let is_loopback = name.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback());
+    is_loopback || name.eq_ignore_ascii_case("localhost")
 }
 
 /// The address that counts. A home has one of IPv4, but 2^64 of IPv6, which count as one.

@@ -10,7 +10,7 @@ use motorlink_messages::{
 use motorlink_protocol::Instant;
 use motorlink_remote::{FromServer, ViewerId};
 
-use crate::viewers::Viewers;
+use crate::{foxglove::Feed, viewers::Viewers};
 
 /// The longest time between two turns. The hub checks the lease as often as the thread that does nothing else.
 const TURN_MAX: Duration = Duration::from_millis(10);
@@ -24,6 +24,7 @@ const STATE_EVERY: Duration = Duration::from_millis(250);
 /// Takes the entries of the driver, and tells the pages.
 #[derive(Debug)]
 pub struct Hub {
+    foxglove: Feed,
     viewers: Viewers,
     outbox: Outbox,
     traffic: Vec<LineEvent>,
@@ -41,6 +42,7 @@ impl Hub {
     pub fn new(viewers: Viewers, adapter: Adapter) -> Self {
         let now = std::time::Instant::now();
         Self {
+            foxglove: Feed::new(viewers.foxglove()),
             viewers,
             outbox: Outbox::default(),
             traffic: Vec::new(),
@@ -52,8 +54,9 @@ impl Hub {
         }
     }
 
-    /// Takes an entry of the driver.
-    pub fn take(&mut self, entry: Entry) {
+    /// Takes an entry of the driver, and its time.
+    pub fn take(&mut self, at: Instant, entry: Entry) {
+        self.foxglove.take(at, &entry);
         match entry {
             Entry::Event(Event::Line(event)) => self.traffic.push(event),
             Entry::Event(event) => {
@@ -89,6 +92,7 @@ impl Hub {
     /// Does what is due. Returns how long to wait for the next entry at most.
     pub fn turn(&mut self, driver: &Driver) -> Duration {
         let lease = self.viewers.turn();
+        self.foxglove.turn(driver);
         let now = std::time::Instant::now();
         if self.viewers.are_there() {
             if !self.traffic.is_empty() && now >= self.traffic_sent + TRAFFIC_EVERY {

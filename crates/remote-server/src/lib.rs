@@ -5,9 +5,12 @@
 //! own: a page that is slow, dead or hostile delays neither the wire nor the operator. Queues, sizes, rates and the
 //! number of pages are limited.
 //!
+//! `/foxglove` tells other programs what happens on the line; nothing leads from it to the driver.
+//!
 //! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
 mod access;
+mod foxglove;
 mod hub;
 mod messages;
 mod page;

@@ -26,7 +26,8 @@ use tokio::{
 use tower_service::Service as _;
 
 use crate::{
-    access::{Access, SOCKET},
+    access::{Access, FOXGLOVE, SOCKET},
+    foxglove,
     page::Site,
     socket,
     tls::Tls,
@@ -172,6 +173,13 @@ async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Requ
         return refused;
     }
     let (mut parts, _) = request.into_parts();
+    if parts.uri.path() == FOXGLOVE {
+        if !shared.access.may_watch(&parts) {
+            let text = "A page of another site needs the token in the address: ?token=TOKEN.\n";
+            return (StatusCode::FORBIDDEN, text).into_response();
+        }
+        return foxglove::answer(&mut parts, shared.viewers.foxglove()).await;
+    }
     if parts.uri.path() != SOCKET {
         return shared
             .site

@@ -22,15 +22,15 @@ use crate::viewers::{Outgoing, Viewers};
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
 /// Messages of a page in a second: ten answers, and two sliders at 60 Hz, of several seconds that a network has held back.
-const RATE_MAX: u32 = 1_000;
+pub(crate) const RATE_MAX: u32 = 1_000;
 /// How long a message may take to leave. A page that takes nothing for so long has gone.
-const SEND_MAX: Duration = Duration::from_secs(5);
+pub(crate) const SEND_MAX: Duration = Duration::from_secs(5);
 /// A page answers several challenges a second. The network has gone if nothing comes for so long.
 const SILENCE_MAX: Duration = Duration::from_secs(10);
 
 /// Why the server closes a new connection: a code of RFC 6455, and one of ours.
 #[derive(Clone, Copy, Debug)]
-enum Close {
+pub(crate) enum Close {
     TooMany = 1013,
     /// The page is of another version.
     OtherVersion = 4001,
@@ -54,7 +54,7 @@ pub(crate) fn answer(
         })
 }
 
-async fn close(mut socket: WebSocket, why: Close) {
+pub(crate) async fn close(mut socket: WebSocket, why: Close) {
     let frame = CloseFrame {
         code: why as u16,
         reason: "".into(),

@@ -17,7 +17,10 @@ use motorlink_protocol::Instant;
 use motorlink_remote::{Control, Ended, FromServer, NotDone, Taken, Viewer, ViewerId};
 use tokio::sync::{broadcast, mpsc};
 
-use crate::messages::{Act, Garbage, Message, stops_in};
+use crate::{
+    foxglove::Clients,
+    messages::{Act, Garbage, Message, stops_in},
+};
 
 /// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
 /// longer misses its challenges, and loses its lease.
@@ -40,6 +43,7 @@ pub struct Viewers(Arc<Shared>);
 struct Shared {
     state: Mutex<State>,
     updates: broadcast::Sender<Bytes>,
+    foxglove: Clients,
 }
 
 struct State {
@@ -109,6 +113,7 @@ impl Viewers {
         let viewers = Self(Arc::new(Shared {
             state: Mutex::new(state),
             updates,
+            foxglove: Clients::new(),
         }));
         viewers.watch_lease()?;
         Ok(viewers)
@@ -131,6 +136,11 @@ impl Viewers {
     fn state(&self) -> MutexGuard<'_, State> {
         // No part of the state is left half changed by a panic, and a stop must still come through.
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The clients that watch by Foxglove's protocol.
+    pub(crate) fn foxglove(&self) -> Clients {
+        self.0.foxglove.clone()
     }
 
     /// A page has connected. Returns nothing if there are too many.

@@ -1,25 +1,24 @@
 //! Attempts to drive motors without the right to do so, on a real server with virtual motors.
 #![cfg(test)]
 
+#[path = "support/page.rs"]
+mod page;
+mod support;
+
 use std::{
-    io::{Read, Write},
-    net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream},
-    path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-    thread::{self, JoinHandle},
+    io::Write,
+    net::TcpStream,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
 use motorlink_bus::{Command, Consent};
-use motorlink_driver::{Driver, Next, Options, Place, VirtualLine};
-use motorlink_messages::{Adapter, Notice, encode};
-use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
+use motorlink_messages::{Notice, encode};
+use motorlink_protocol::{MotorId, Setpoint, SpeedTarget};
 use motorlink_remote::{Stamp, ToServer, VIEWERS_MAX};
-use motorlink_remote_server::{Access, Hub, Pem, Server, Site, Tls, Token, Viewers};
-use support::page::{Page, SOON, start};
+use motorlink_remote_server::{Pem, Tls, Token};
+use page::{Page, start};
+use support::{Bench, SOON, ask};
 use tokio_rustls::rustls::{
     ClientConfig, ClientConnection, RootCertStore, StreamOwned,
     crypto::ring,
@@ -27,78 +26,7 @@ use tokio_rustls::rustls::{
 };
 use tungstenite::Message;
 
-mod support {
-    pub mod page;
-}
-
-/// A server with one virtual motor, and the thread of its driver.
-struct Bench {
-    address: SocketAddr,
-    token: Option<Token>,
-    is_over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-    _server: Server,
-    _folder: tempfile::TempDir,
-}
-
 impl Bench {
-    fn start(token: Option<Token>) -> Self {
-        Self::start_with(token, None)
-    }
-
-    fn start_with(token: Option<Token>, tls: Option<Tls>) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let index = "<html lang=\"en\"><meta name=\"motorlink-worker\" content=\"./worker-boot.js\">\
-                     <meta name=\"motorlink-remote\" content=\"./remote-boot.js\">";
-        std::fs::write(folder.path().join("index.html"), index).unwrap();
-        std::fs::write(folder.path().join("remote-boot.js"), "1").unwrap();
-        let site = Site::open(Some(PathBuf::from(folder.path()))).unwrap();
-
-        let line = VirtualLine::of(Model::Ddsm115, [MotorId::FIRST]);
-        let mut options = Options::at(Place::Virtual(line));
-        options.watch = vec![MotorId::FIRST];
-        options.tells_traffic = true;
-        options.state_folder = None;
-        let driver = Driver::open(options).unwrap();
-        let viewers = Viewers::new(driver.commander()).unwrap();
-        let mut hub = Hub::new(viewers.clone(), Adapter::Serial(None));
-        let is_over = Arc::new(AtomicBool::new(false));
-        let ends = Arc::clone(&is_over);
-        let thread = thread::spawn(move || {
-            while !ends.load(Ordering::SeqCst) {
-                let wait = hub.turn(&driver);
-                if let Next::Entry(_, entry) = driver.next(wait) {
-                    hub.take(entry);
-                }
-            }
-        });
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        let address = listener.local_addr().unwrap();
-        let mut access = Access::new(address, Vec::new(), token.clone());
-        if tls.is_some() {
-            access = access.encrypted();
-        }
-        Self {
-            address,
-            token,
-            is_over,
-            thread: Some(thread),
-            _server: Server::start(listener, access, site, viewers, tls).unwrap(),
-            _folder: folder,
-        }
-    }
-
-    /// The answer to a request with these header lines: its status, and the whole of it.
-    fn get(&self, path: &str, headers: &str) -> (u16, String) {
-        let stream = TcpStream::connect(self.address).unwrap();
-        stream.set_read_timeout(Some(SOON)).unwrap();
-        ask(stream, path, headers)
-    }
-
-    fn host(&self) -> String {
-        format!("Host: {}\r\n", self.address)
-    }
-
     /// A page of this server, or what else says these headers.
     fn connect(&self, origin: &str, version: &str) -> Result<Page, tungstenite::Error> {
         let stream = TcpStream::connect(self.address)?;
@@ -109,27 +37,6 @@ impl Bench {
     fn page(&self) -> Page {
         let origin = format!("http://{}", self.address);
         self.connect(&origin, "remote-boot.js").unwrap()
-    }
-}
-
-fn ask(mut stream: impl Read + Write, path: &str, headers: &str) -> (u16, String) {
-    let request = format!("GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n");
-    // The server may close before it has taken all of it.
-    let _ = stream.write_all(request.as_bytes());
-    let mut answer = Vec::new();
-    let _ = stream.read_to_end(&mut answer);
-    let answer = String::from_utf8_lossy(&answer).into_owned();
-    let status = answer
-        .split(' ')
-        .nth(1)
-        .and_then(|status| status.parse().ok());
-    (status.unwrap_or_default(), answer)
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        self.is_over.store(true, Ordering::SeqCst);
-        self.thread.take().unwrap().join().unwrap();
     }
 }
 
@@ -403,7 +310,11 @@ fn pages_are_limited() {
 fn an_encrypted_server_answers_only_encrypted_requests() {
     let pem = Pem::make(vec!["127.0.0.1".to_owned()]).unwrap();
     let token = Token::new().unwrap();
-    let bench = Bench::start_with(Some(token.clone()), Some(Tls::new(&pem).unwrap()));
+    let bench = Bench::start_encrypted(
+        Some(token.clone()),
+        Some(Tls::new(&pem).unwrap()),
+        |_, _| (),
+    );
     let host = bench.host();
     assert_eq!(bench.get("/", &host).0, 0, "no answer to a plain request");
 

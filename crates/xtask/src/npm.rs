@@ -36,6 +36,14 @@ pub const MCAP_OF_FOXGLOVE: Package = Package {
     file: "package.json",
 };
 
+/// Watches a server as Foxglove and Lichtblick do, with a WebSocket for Node.js and a validator of JSON schemas.
+pub const FOXGLOVE_CLIENT: Package = Package {
+    name: "@foxglove/ws-protocol",
+    version: "0.8.0",
+    with: &["ws@8.18.3", "ajv@8.20.0"],
+    file: "package.json",
+};
+
 impl Package {
     /// The folder in which the package and those beside it are found; fetches them if they are missing.
     pub fn folder(&self) -> Result<PathBuf> {

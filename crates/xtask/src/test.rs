@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use crate::bench;
 use crate::cargo;
+use crate::npm;
 use crate::page_tests;
 use crate::process;
 use crate::python;
@@ -63,6 +64,14 @@ pub static SUITE: Suite = Suite {
             beside: Some("wasm"),
             on_request: false,
             run: python::read_session,
+        },
+        Step {
+            name: "foxglove-client",
+            about: "the client of Foxglove watches a server, and each message fits its schema",
+            needs: &[],
+            beside: Some("wasm"),
+            on_request: false,
+            run: watch_by_foxglove,
         },
         Step {
             name: "csv-readers",
@@ -129,6 +138,15 @@ fn build(workspace: &Workspace) -> Result<()> {
     let shim = ["build", "--package", "udev-shim"];
     process::run(&mut cargo::command(workspace, &shim))?;
     scenarios::note_program(workspace)
+}
+
+/// Lets the client of Foxglove watch a server with a virtual motor.
+fn watch_by_foxglove(workspace: &Workspace) -> Result<()> {
+    let client = npm::FOXGLOVE_CLIENT.folder()?;
+    let mut test = cargo::native(workspace, "test", &["--quiet", "--test", "foxglove"]);
+    test.args(["--", "--ignored"])
+        .env("MOTORLINK_FOXGLOVE_CLIENT", client);
+    process::run(&mut test)
 }
 
 #[cfg(test)]

@@ -61,14 +61,14 @@ fn serve(connection: &mut Connection, web: Web) -> Result<(), Failure> {
         let mut next = connection.next_within(wait)?;
         // Several, so that a busy line does not turn the hub for each frame.
         for _ in 0..ENTRIES_MAX {
-            let Happened::Entry(_, entry) = next else {
+            let Happened::Entry(at, entry) = next else {
                 break;
             };
-            hub.take(entry);
+            hub.take(at, entry);
             next = connection.next_within(Duration::ZERO)?;
         }
-        if let Happened::Entry(_, entry) = next {
-            hub.take(entry);
+        if let Happened::Entry(at, entry) = next {
+            hub.take(at, entry);
         }
     }
 }

@@ -18,7 +18,7 @@ use tungstenite::{
 };
 
 /// Longer than any wait of a test.
-pub const SOON: Duration = Duration::from_secs(10);
+const SOON: Duration = Duration::from_secs(10);
 
 /// How long one look for a message takes.
 const LOOK: Duration = ANSWER_AGAIN_EVERY;
