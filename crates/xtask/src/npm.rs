@@ -36,11 +36,17 @@ pub const MCAP_OF_FOXGLOVE: Package = Package {
     file: "package.json",
 };
 
-/// Watches a server as Foxglove and Lichtblick do, with a WebSocket for Node.js and a validator of JSON schemas.
+/// Watches a server as Foxglove and Lichtblick do, with a WebSocket for Node.js, a validator of JSON schemas, and Foxglove's
+/// reader of ROS 2 messages.
 pub const FOXGLOVE_CLIENT: Package = Package {
     name: "@foxglove/ws-protocol",
     version: "0.8.0",
-    with: &["ws@8.18.3", "ajv@8.20.0"],
+    with: &[
+        "ws@8.18.3",
+        "ajv@8.20.0",
+        "@foxglove/rosmsg@5.0.5",
+        "@foxglove/rosmsg2-serialization@3.1.0",
+    ],
     file: "package.json",
 };
 

@@ -11,7 +11,10 @@ use motorlink_protocol::MotorId;
 use motorlink_session::{Channel, Message};
 use tokio::sync::mpsc;
 
-use super::protocol::{self, Level, Request, number};
+use super::{
+    plot,
+    protocol::{self, Level, Offered, Request},
+};
 
 /// Clients at the same time: several persons with two programs each.
 pub(super) const CLIENTS_MAX: usize = 8;
@@ -19,7 +22,11 @@ pub(super) const CLIENTS_MAX: usize = 8;
 const QUEUE: usize = 1_024;
 
 /// The channels that are there before any motor has replied.
-const CHANNELS: [Channel; 3] = [Channel::Wire, Channel::Events, Channel::Link];
+const CHANNELS: [Offered; 3] = [
+    Offered::Session(Channel::Wire),
+    Offered::Session(Channel::Events),
+    Offered::Session(Channel::Link),
+];
 
 /// A client, for as long as it is connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -81,8 +88,7 @@ impl Clients {
             is_behind: false,
         };
         client.tell(protocol::server_info(&state.session));
-        let motors = state.motors.iter().copied().map(Channel::Telemetry);
-        client.tell(protocol::advertise(CHANNELS.into_iter().chain(motors)));
+        client.tell(protocol::advertise(&offered(&state.motors)));
         state.clients.insert(id, client);
         Some((id, frames))
     }
@@ -133,7 +139,7 @@ impl Clients {
     pub(super) fn add_motor(&self, id: MotorId) {
         let mut state = self.state();
         if state.motors.insert(id) {
-            let text = protocol::advertise([Channel::Telemetry(id)]);
+            let text = protocol::advertise(&Offered::of_motor(id));
             for client in state.clients.values() {
                 client.tell(text.clone());
             }
@@ -142,10 +148,30 @@ impl Clients {
 
     /// Gives a message to those who subscribe to its channel. It never waits.
     pub(super) fn put(&self, message: &Message<'_>) {
-        for client in self.state().clients.values_mut() {
-            client.put(message);
+        let channel = Offered::Session(message.channel).number();
+        let mut state = self.state();
+        let clients = &mut state.clients;
+        for client in clients.values_mut() {
+            client.put(channel, message.log_ns, message.json.as_bytes());
+        }
+        let Channel::Telemetry(id) = message.channel else {
+            return;
+        };
+        let channel = Offered::Plot(id).number();
+        let is_subscribed = |client: &Client| client.subscriptions.contains_key(&channel);
+        if clients.values().any(is_subscribed) {
+            let data = plot::message(message.json);
+            for client in clients.values_mut() {
+                client.put(channel, message.log_ns, &data);
+            }
         }
     }
+}
+
+/// The channels where these motors have replied.
+fn offered(motors: &BTreeSet<MotorId>) -> Vec<Offered> {
+    let of_motors = motors.iter().flat_map(|id| Offered::of_motor(*id));
+    CHANNELS.into_iter().chain(of_motors).collect()
 }
 
 impl Client {
@@ -159,9 +185,8 @@ impl Client {
     }
 
     fn subscribe(&mut self, pairs: &[(u32, u32)], motors: &BTreeSet<MotorId>) {
-        let motors = motors.iter().copied().map(Channel::Telemetry);
-        let channels = CHANNELS.into_iter().chain(motors);
-        let channels: BTreeSet<u32> = channels.map(number).collect();
+        let channels = offered(motors).into_iter().map(Offered::number);
+        let channels: BTreeSet<u32> = channels.collect();
         let mut ids: BTreeSet<u32> = self.subscriptions.values().copied().collect();
         for (id, channel) in pairs {
             if !channels.contains(channel) {
@@ -174,8 +199,8 @@ impl Client {
         }
     }
 
-    fn put(&mut self, message: &Message<'_>) {
-        let Some(subscription) = self.subscriptions.get(&number(message.channel)) else {
+    fn put(&mut self, channel: u32, log_ns: u64, data: &[u8]) {
+        let Some(subscription) = self.subscriptions.get(&channel) else {
             return;
         };
         if self.is_behind && self.queue.capacity() >= QUEUE / 2 {
@@ -184,7 +209,7 @@ impl Client {
             let text = format!("The connection is too slow: {missed} messages were left out.");
             self.tell(protocol::status(Level::Warning, "slow", &text));
         }
-        let frame = || Frame::Binary(protocol::message_data(*subscription, message));
+        let frame = || Frame::Binary(protocol::message_data(*subscription, log_ns, data));
         if self.is_behind || self.queue.try_send(frame()).is_err() {
             self.is_behind = true;
             self.missed += 1;

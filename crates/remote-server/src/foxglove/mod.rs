@@ -10,12 +10,14 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `protocol` | the messages, in both directions |
+//! | `plot` | the numbers of the telemetry for PlotJuggler |
 //! | `clients` | who is connected, what they subscribe to, and their queues |
 //! | `feed` | from the entries of the driver to messages |
 //! | `socket` | the connection of one client |
 
 mod clients;
 mod feed;
+mod plot;
 mod protocol;
 mod socket;
 

@@ -1,8 +1,11 @@
 //! The messages of the protocol that a server without capabilities needs.
 
 use axum::body::Bytes;
-use motorlink_session::{Channel, Message};
+use motorlink_protocol::MotorId;
+use motorlink_session::Channel;
 use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
+
+use super::plot;
 
 /// The subprotocols, the one to choose first. Foxglove and PlotJuggler ask for the new one, older programs for the other;
 /// they differ in name only.
@@ -11,18 +14,61 @@ pub(super) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websock
 /// The opcode of a binary message with data.
 const MESSAGE_DATA: u8 = 1;
 
-/// The number of the first motor's channel, less its ID. Other channels have smaller numbers.
+/// The number of the first motor's channels, less its ID. Other channels have smaller numbers.
 const TELEMETRY: u32 = 0x100;
+const PLOT: u32 = 0x200;
 
-/// The number of a channel on every connection.
-pub(super) fn number(channel: Channel) -> u32 {
-    match channel {
-        Channel::Wire => 1,
-        Channel::Events => 2,
-        Channel::Link => 3,
-        Channel::Odometry => 4,
-        Channel::CommandedMotion => 5,
-        Channel::Telemetry(id) => TELEMETRY + u32::from(id.get()),
+/// A channel of this server.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Offered {
+    /// A channel of a session file.
+    Session(Channel),
+    /// Numbers for PlotJuggler.
+    Plot(MotorId),
+}
+
+impl Offered {
+    /// The channels of a motor.
+    pub(super) const fn of_motor(id: MotorId) -> [Self; 2] {
+        [Self::Session(Channel::Telemetry(id)), Self::Plot(id)]
+    }
+
+    /// Its number on every connection.
+    pub(super) fn number(self) -> u32 {
+        match self {
+            Self::Session(Channel::Wire) => 1,
+            Self::Session(Channel::Events) => 2,
+            Self::Session(Channel::Link) => 3,
+            Self::Session(Channel::Odometry) => 4,
+            Self::Session(Channel::CommandedMotion) => 5,
+            Self::Session(Channel::Telemetry(id)) => TELEMETRY + u32::from(id.get()),
+            Self::Plot(id) => PLOT + u32::from(id.get()),
+        }
+    }
+}
+
+impl DisplayJson for Offered {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        f.object(|f| {
+            f.member("id", self.number())?;
+            match self {
+                Self::Session(channel) => {
+                    let (name, schema) = channel.schema();
+                    f.member("topic", &*channel.topic())?;
+                    f.member("encoding", "json")?;
+                    f.member("schemaName", name)?;
+                    f.member("schema", schema)?;
+                    f.member("schemaEncoding", "jsonschema")
+                }
+                Self::Plot(id) => {
+                    f.member("topic", format!("/motors/{}/plot", id.get()))?;
+                    f.member("encoding", "cdr")?;
+                    f.member("schemaName", plot::NAME)?;
+                    f.member("schema", plot::schema())?;
+                    f.member("schemaEncoding", "ros2msg")
+                }
+            }
+        })
     }
 }
 
@@ -84,28 +130,11 @@ pub(super) fn server_info(session: &str) -> String {
     json.to_string()
 }
 
-struct Advertised(Channel);
-
-impl DisplayJson for Advertised {
-    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
-        let (name, schema) = self.0.schema();
-        f.object(|f| {
-            f.member("id", number(self.0))?;
-            f.member("topic", &*self.0.topic())?;
-            f.member("encoding", "json")?;
-            f.member("schemaName", name)?;
-            f.member("schema", schema)?;
-            f.member("schemaEncoding", "jsonschema")
-        })
-    }
-}
-
 /// Says that there are these channels.
-pub(super) fn advertise(channels: impl IntoIterator<Item = Channel>) -> String {
-    let channels: Vec<_> = channels.into_iter().map(Advertised).collect();
+pub(super) fn advertise(channels: &[Offered]) -> String {
     let json = nojson::object(|f| {
         f.member("op", "advertise")?;
-        f.member("channels", nojson::array(|f| f.elements(&channels)))
+        f.member("channels", nojson::array(|f| f.elements(channels)))
     });
     json.to_string()
 }
@@ -135,21 +164,19 @@ pub(super) fn status(level: Level, id: &str, text: &str) -> String {
 /// | 0 | opcode |
 /// | 1-4 | subscription, the lowest byte first |
 /// | 5-12 | nanoseconds since 1970, the lowest byte first |
-/// | 13.. | JSON |
-pub(super) fn message_data(subscription: u32, message: &Message<'_>) -> Bytes {
+/// | 13.. | what the message says |
+pub(super) fn message_data(subscription: u32, log_ns: u64, data: &[u8]) -> Bytes {
     let parts: [&[u8]; 4] = [
         &[MESSAGE_DATA],
         &subscription.to_le_bytes(),
-        &message.log_ns.to_le_bytes(),
-        message.json.as_bytes(),
+        &log_ns.to_le_bytes(),
+        data,
     ];
     parts.concat().into()
 }
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::MotorId;
-
     use super::*;
 
     #[test]
@@ -186,13 +213,8 @@ mod tests {
     /// The bytes and texts of the specification.
     #[test]
     fn messages_have_the_form_of_the_specification() {
-        let message = Message {
-            channel: Channel::Telemetry(MotorId::FIRST),
-            log_ns: 0x0102_0304_0506_0708,
-            json: "{}",
-        };
         let expected = [1, 9, 0, 0, 0, 8, 7, 6, 5, 4, 3, 2, 1, b'{', b'}'];
-        assert_eq!(message_data(9, &message), &expected[..]);
+        assert_eq!(message_data(9, 0x0102_0304_0506_0708, b"{}"), &expected[..]);
         let info = server_info("1");
         assert!(
             info.starts_with(r#"{"op":"serverInfo","name":"MotorLink "#),
@@ -203,8 +225,10 @@ mod tests {
             status(Level::Warning, "lost", "a \"b\""),
             r#"{"op":"status","level":1,"id":"lost","message":"a \"b\""}"#
         );
-        let channels = advertise([Channel::Telemetry(MotorId::FIRST)]);
+        let channels = advertise(&Offered::of_motor(MotorId::FIRST));
         let start = r#"{"op":"advertise","channels":[{"id":257,"topic":"/motors/1/telemetry","encoding":"json","schemaName":"motorlink.Telemetry","schema":"{\n"#;
         assert!(channels.starts_with(start), "{channels}");
+        let end = r#""schemaEncoding":"jsonschema"},{"id":513,"topic":"/motors/1/plot","encoding":"cdr","schemaName":"motorlink/msg/Plot","schema":"float64 speed_rpm\nfloat64 current_a\nfloat64 position_deg\nfloat64 turns\nfloat64 temperature_c\nfloat64 setpoint\nfloat64 fault_code\n","schemaEncoding":"ros2msg"}]}"#;
+        assert!(channels.ends_with(end), "{channels}");
     }
 }

@@ -26,8 +26,8 @@ use super::{
 };
 use crate::socket::{Close, RATE_MAX, SEND_MAX, close};
 
-/// The longest message of a client: subscriptions to all channels at once have 10 kB.
-const MESSAGE_MAX: usize = 16 * 1024;
+/// The longest message of a client: subscriptions to the channels of 254 motors at once have 20 kB.
+const MESSAGE_MAX: usize = 32 * 1024;
 /// A client may say nothing for hours, but its library answers pings.
 const PING_EVERY: Duration = Duration::from_secs(10);
 /// The network has gone if three pings were not answered.
