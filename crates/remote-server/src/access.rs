@@ -13,7 +13,7 @@ use axum::{
     extract::Request,
     http::{
         HeaderMap, HeaderValue, StatusCode,
-        header::{COOKIE, HOST, LOCATION, ORIGIN, SET_COOKIE},
+        header::{COOKIE, HOST, LOCATION, ORIGIN, SEC_WEBSOCKET_PROTOCOL, SET_COOKIE},
         request::Parts,
         uri::Authority,
     },
@@ -32,7 +32,7 @@ const ADDRESSES_MAX: usize = 4096;
 pub(crate) const SOCKET: &str = "/motorlink";
 
 /// The path of the WebSocket that only tells, for Foxglove and other programs.
-pub(crate) const FOXGLOVE: &str = "/foxglove";
+const FOXGLOVE: &str = "/foxglove";
 
 const COOKIE_NAME: &str = "motorlink-token";
 
@@ -163,7 +163,7 @@ impl Access {
             ));
         }
         // Its clients keep no cookie and follow no other address.
-        (path != FOXGLOVE).then(|| self.with_cookie(path, token))
+        (!is_for_foxglove(path, headers)).then(|| self.with_cookie(path, token))
     }
 
     /// Other web sites can lead a browser here by a name of their own (DNS rebinding).
@@ -232,15 +232,16 @@ impl Access {
     /// Whether a request that [`Access::check`] lets through may watch by Foxglove's protocol. The program may be a page of
     /// another site, which only the token in its address lets in: the browser could add the cookie on its own.
     pub(crate) fn may_watch(&self, parts: &Parts) -> bool {
-        // A program that is no browser says no origin.
+        // A program that is no browser says no origin, or one of a WebSocket (PlotJuggler 4), which no page has.
         let Some(origin) = parts.headers.get(ORIGIN) else {
             return true;
         };
-        if Self::is_own_page(&parts.headers) {
+        let origin = origin.to_str().unwrap_or_default();
+        if Self::is_own_page(&parts.headers) || is_web_socket(origin) {
             return true;
         }
         let Some(token) = &self.token else {
-            return origin.to_str().is_ok_and(is_plotter);
+            return is_plotter(origin);
         };
         let given = token_in(parts.uri.query().unwrap_or_default());
         given.is_some_and(|given| token.is(&given))
@@ -263,6 +264,18 @@ impl Access {
         };
         wrong.entry(network(address)).or_insert(none).count += 1;
     }
+}
+
+fn is_web_socket(origin: &str) -> bool {
+    origin.starts_with("ws://") || origin.starts_with("wss://")
+}
+
+/// Whether a request is for Foxglove's protocol. PlotJuggler 4 has no field for a path.
+pub(crate) fn is_for_foxglove(path: &str, headers: &HeaderMap) -> bool {
+    let protocols = headers.get(SEC_WEBSOCKET_PROTOCOL);
+    let protocols = protocols.and_then(|protocols| protocols.to_str().ok());
+    let names_it = protocols.is_some_and(|protocols| protocols.contains("foxglove."));
+    path == FOXGLOVE || path == "/" && names_it
 }
 
 /// Whether a page of this origin may watch without a token: that of Foxglove, of a program on this computer, or of a file.

@@ -26,7 +26,7 @@ use tokio::{
 use tower_service::Service as _;
 
 use crate::{
-    access::{Access, FOXGLOVE, SOCKET},
+    access::{Access, SOCKET, is_for_foxglove},
     foxglove,
     page::Site,
     socket,
@@ -173,7 +173,7 @@ async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Requ
         return refused;
     }
     let (mut parts, _) = request.into_parts();
-    if parts.uri.path() == FOXGLOVE {
+    if is_for_foxglove(parts.uri.path(), &parts.headers) {
         if !shared.access.may_watch(&parts) {
             let text = "A page of another site needs the token in the address: ?token=TOKEN.\n";
             return (StatusCode::FORBIDDEN, text).into_response();

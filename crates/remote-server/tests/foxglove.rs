@@ -40,7 +40,11 @@ struct Client {
 
 /// Opens `/foxglove` with this query and these headers.
 fn connect(bench: &Bench, query: &str, headers: &[(&str, &str)]) -> Result<Client, Refused> {
-    let url = format!("ws://{}/foxglove{query}", bench.address);
+    connect_at(bench, &format!("/foxglove{query}"), headers)
+}
+
+fn connect_at(bench: &Bench, path: &str, headers: &[(&str, &str)]) -> Result<Client, Refused> {
+    let url = format!("ws://{}{path}", bench.address);
     let mut request = url.into_client_request()?;
     for (name, value) in headers {
         let name = tungstenite::http::HeaderName::try_from(*name).unwrap();
@@ -258,6 +262,24 @@ fn a_client_that_knows_the_older_name_is_answered_and_another_protocol_is_not() 
     assert_ne!(bench.get("/foxglove", &bench.host()).0, 200);
 }
 
+/// PlotJuggler 4 has fields for address and port only.
+#[test]
+fn a_client_without_a_path_is_answered_by_the_same_rules() {
+    let plot_juggler = ("Sec-WebSocket-Protocol", "foxglove.sdk.v1");
+    let at = |bench: &Bench, path: &str, origin: &str| {
+        connect_at(bench, path, &[plot_juggler, ("Origin", origin)]).is_ok()
+    };
+    let bench = Bench::start(None);
+    let own = format!("ws://{}", bench.address);
+    assert!(at(&bench, "/", &own));
+    assert!(!at(&bench, "/", "https://evil.example"));
+    assert!(!at(&bench, "/index.html", &own));
+    let bench = Bench::start(Some(Token::new().unwrap()));
+    let token = bench.token.as_ref().unwrap();
+    assert!(!at(&bench, "/", &own));
+    assert!(at(&bench, &format!("/?token={token}"), &own));
+}
+
 #[test]
 fn without_a_token_only_programs_of_this_computer_and_foxglove_watch() {
     let bench = Bench::start(None);
@@ -269,6 +291,8 @@ fn without_a_token_only_programs_of_this_computer_and_foxglove_watch() {
         "http://127.0.0.1",
         "http://[::1]:3000",
         "file://",
+        // PlotJuggler 4 on this computer.
+        &format!("ws://{}", bench.address),
     ];
     for origin in allowed {
         assert_eq!(status(&bench, "", &[("Origin", origin)]), 101, "{origin}");
