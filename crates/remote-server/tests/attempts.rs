@@ -13,7 +13,7 @@ use std::{
 };
 
 use motorlink_bus::{Command, Consent};
-use motorlink_messages::{Notice, encode};
+use motorlink_messages::{Notice, ToWorker, encode};
 use motorlink_protocol::{MotorId, Setpoint, SpeedTarget};
 use motorlink_remote::{Stamp, ToServer, VIEWERS_MAX};
 use motorlink_remote_server::{Pem, Tls, Token};
@@ -24,7 +24,7 @@ use tokio_rustls::rustls::{
     crypto::ring,
     pki_types::{CertificateDer, ServerName, pem::PemObject},
 };
-use tungstenite::Message;
+use tungstenite::{Message, client::IntoClientRequest, http::HeaderValue};
 
 impl Bench {
     /// A page of this server, or what else says these headers.
@@ -344,4 +344,49 @@ fn an_encrypted_server_answers_only_encrypted_requests() {
     );
     let upgrade = upgrade.replace("Origin", "Connection: Upgrade\r\nOrigin");
     assert_eq!(get("/motorlink?page=other", &upgrade).0, 101);
+}
+
+/// A program that plots sees the wheel that the operator drives, and cannot drive it.
+#[test]
+fn a_client_of_foxglove_watches_the_turning_wheel_and_cannot_stop_it() {
+    let bench = Bench::start(None);
+    let mut operator = bench.page();
+    operator.take_control();
+    operator.drive();
+    let url = format!("ws://{}/foxglove", bench.address);
+    let mut request = url.into_client_request().unwrap();
+    let protocol = HeaderValue::from_static("foxglove.sdk.v1");
+    request
+        .headers_mut()
+        .insert("Sec-WebSocket-Protocol", protocol);
+    let (mut plot, _) = tungstenite::connect(request).unwrap();
+    let subscribe = r#"{"op":"subscribe","subscriptions":[{"id":1,"channelId":257}]}"#;
+    let stop = ToWorker::Command {
+        command: Command::StopAll(motorlink_bus::StopReason::Operator),
+        given_ms: 0.0,
+    };
+    let stop = ToServer::Act {
+        stamp: Stamp {
+            epoch: operator.epoch.unwrap(),
+            sequence: operator.sequence + 1,
+            challenge: operator.challenge,
+        },
+        age_ms: 0,
+        message: encode(&stop).unwrap(),
+    };
+    plot.send(Message::text(subscribe)).unwrap();
+    plot.send(Message::binary(encode(&stop).unwrap())).unwrap();
+    let mut turning = 0;
+    let until = Instant::now() + SOON;
+    while turning < 20 {
+        assert!(Instant::now() < until, "{turning} messages");
+        operator.receive();
+        if let Message::Binary(bytes) = plot.read().unwrap() {
+            let text = String::from_utf8_lossy(&bytes[13..]).into_owned();
+            assert!(text.contains(r#""setpoint":100,"#), "{text}");
+            turning += 1;
+        }
+    }
+    operator.live(Duration::from_millis(500));
+    assert!(operator.turns() && operator.epoch.is_some());
 }
