@@ -10,8 +10,8 @@ use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Statu
 use motorlink_protocol::MotorId;
 
 use crate::{
-    arguments::Global, failure::Failure, output::say, recording::Recording, signed_id::SignedId,
-    words,
+    arguments::Global, failure::Failure, log::Log, output::say, recording::Recording,
+    signed_id::SignedId, words,
 };
 
 /// How long to wait for an entry before looking at the clock again.
@@ -29,6 +29,7 @@ pub struct Connection {
     ender: Ender,
     pub(crate) timeout: Duration,
     recording: RefCell<Option<Recording>>,
+    log: RefCell<Option<Log>>,
     listener: Option<RefCell<Listener>>,
 }
 
@@ -74,6 +75,7 @@ impl Connection {
             ender: ender.clone(),
             timeout: global.timeout,
             recording: RefCell::new(None),
+            log: RefCell::new(None),
             listener: None,
         })
     }
@@ -97,6 +99,16 @@ impl Connection {
             .map_or(Ok(()), Recording::finish)
     }
 
+    /// Writes everything to session files in this folder from now on.
+    ///
+    /// # Errors
+    /// The folder cannot be written, or the driver has ended.
+    pub fn log_to(&self, folder: &Path) -> Result<(), Failure> {
+        let (now, model) = (self.status()?.now, self.driver.model());
+        self.log.replace(Some(Log::begin(folder, now, model)?));
+        Ok(())
+    }
+
     /// Says something to the person.
     pub fn note(&self, text: String) {
         match &self.listener {
@@ -114,6 +126,9 @@ impl Connection {
     fn hear(&self, at: motorlink_protocol::Instant, entry: &Entry) -> Result<(), Failure> {
         if let Some(listener) = &self.listener {
             (listener.borrow_mut())(Heard::Entry(at, entry));
+        }
+        if let Some(log) = &mut *self.log.borrow_mut() {
+            log.add(at, entry);
         }
         let mut recording = self.recording.borrow_mut();
         let recorded = recording
@@ -227,6 +242,9 @@ impl Connection {
                 Next::Nothing => {}
                 Next::Ended => break,
             }
+        }
+        if let Some(log) = self.log.take() {
+            log.finish();
         }
         let finished = self.recording.take().map_or(Ok(()), Recording::finish);
         (self.driver.end(), recorded.and(finished))

@@ -13,6 +13,7 @@ mod experiment;
 mod failure;
 mod group_switch;
 mod info;
+mod log;
 mod manual;
 mod monitor;
 mod output;

@@ -15,7 +15,7 @@ use motorlink_session::Writer;
 use crate::failure::Failure;
 
 /// Bytes of one write.
-const PIECE: usize = 64 << 10;
+pub const PIECE: usize = 64 << 10;
 
 /// A session file that is being written.
 pub struct Recording {
@@ -45,18 +45,10 @@ impl Recording {
     /// # Errors
     /// The disk is full, or so.
     pub fn add(&mut self, at: Instant, entry: &Entry) -> Result<(), Failure> {
-        let writer = &mut self.writer;
-        match entry {
-            Entry::Event(Event::Line(line)) => writer.line(line),
-            entry => {
-                if let Some(event) = words::session_event(entry) {
-                    writer.event(at, &event);
-                }
-            }
-        }
-        if writer.written() >= PIECE {
+        write_entry(&mut self.writer, at, entry);
+        if self.writer.written() >= PIECE {
             self.out
-                .write_all(&writer.take())
+                .write_all(&self.writer.take())
                 .map_err(Failure::file(&self.path))?;
         }
         Ok(())
@@ -67,6 +59,18 @@ impl Recording {
         let written = self.out.write_all(&self.writer.finish());
         let written = written.and_then(|()| self.out.flush());
         written.map_err(Failure::file(&self.path))
+    }
+}
+
+/// Writes an entry of the driver, if it belongs into a session.
+pub fn write_entry(writer: &mut Writer, at: Instant, entry: &Entry) {
+    match entry {
+        Entry::Event(Event::Line(line)) => writer.line(line),
+        entry => {
+            if let Some(event) = words::session_event(entry) {
+                writer.event(at, &event);
+            }
+        }
     }
 }
 

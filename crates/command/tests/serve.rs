@@ -2,8 +2,8 @@
 
 use std::{
     fs,
-    io::{BufRead, BufReader},
-    net::TcpListener,
+    io::{BufRead, BufReader, Read, Write},
+    net::{TcpListener, TcpStream},
     path::Path,
     process::{Command, Output, Stdio},
 };
@@ -131,6 +131,83 @@ fn a_certificate_is_made_once_and_only_its_owner_reads_the_key() {
     refused(run(), "certificate.pem: not a certificate");
     let without_key = &flags[..4];
     refused(serve(page.path(), without_key).output().unwrap(), "--key");
+}
+
+/// The session that the server writes is listed for the page, can be saved while it is written, and reads whole at the end.
+#[test]
+fn a_log_is_a_session_file_that_the_page_can_save() {
+    let (page, folder) = (page(), tempfile::tempdir().unwrap());
+    let log = folder.path().join("log");
+    let log = log.to_str().unwrap();
+    let mut command = serve(page.path(), &["--listen", "127.0.0.1:0", "--log", log]);
+    let mut child = command.args(["--model", "ddsm400"]).spawn().unwrap();
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let mut lines = lines.map_while(Result::ok);
+    let link = lines.find(|line| line.starts_with("Open ")).unwrap();
+    let address = link.split('/').nth(2).unwrap();
+    let get = |path: &str| {
+        let mut stream = TcpStream::connect(address).unwrap();
+        let request =
+            format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        String::from_utf8_lossy(&answer).into_owned()
+    };
+    assert!(get("/").contains("data-remote=\"sessions \""));
+    let list = get("/sessions");
+    let (_, rest) = list.split_once("href=\"").unwrap();
+    let path = rest.split('"').next().unwrap();
+    assert!(
+        path.starts_with("/sessions/motorlink-log-000001-"),
+        "{path}"
+    );
+    assert!(get(path).starts_with("HTTP/1.1 200"));
+    assert!(get("/sessions/../token.mcap").starts_with("HTTP/1.1 404"));
+    assert!(get("/sessions/none.mcap").starts_with("HTTP/1.1 404"));
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    signal(&child, Signal::INT);
+    lines.for_each(drop);
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let name = path.rsplit('/').next().unwrap();
+    let info = Command::new(env!("CARGO_BIN_EXE_motorlink"))
+        .args(["session", "info"])
+        .arg(Path::new(log).join(name))
+        .output()
+        .unwrap();
+    let info = Said::of(info);
+    assert_eq!(info.code, Some(0), "{}", info.err);
+    assert!(
+        info.out.contains("motorlink serve") && !info.out.contains(" 0 received"),
+        "{}",
+        info.out
+    );
+}
+
+/// A limit of the system stands for a full disk.
+#[test]
+fn a_full_disk_is_said_in_one_line_and_stops_nothing() {
+    let (page, folder) = (page(), tempfile::tempdir().unwrap());
+    let script = r#"trap '' XFSZ; ulimit -f 0; exec "$0" "$@""#;
+    let mut child = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_motorlink")])
+        .args(["--virtual", "serve", "--listen", "127.0.0.1:0", "--page"])
+        .arg(page.path())
+        .arg("--log")
+        .arg(folder.path())
+        .env("XDG_STATE_HOME", folder.path())
+        .stdin(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let mut lines = lines.map_while(Result::ok);
+    lines.find(|line| line.starts_with("Open ")).unwrap();
+    signal(&child, Signal::INT);
+    let said: Vec<String> = lines.filter(|line| line.contains("--log")).collect();
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].starts_with("--log has ended: ") && said[0].contains("mcap"));
+    assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
 /// As systemd starts it: it hears when the server answers, that it lives, and when it ends.

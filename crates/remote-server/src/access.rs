@@ -22,6 +22,8 @@ use axum::{
 use percent_encoding::percent_decode_str;
 use subtle::ConstantTimeEq;
 
+use crate::sessions::SESSIONS;
+
 /// Wrong tokens of one address in a minute. A person who copies it by hand needs fewer.
 const ATTEMPTS_MAX: u32 = 10;
 const MINUTE: Duration = Duration::from_secs(60);
@@ -31,10 +33,12 @@ const ADDRESSES_MAX: usize = 4096;
 /// The path of the WebSocket.
 pub(crate) const SOCKET: &str = "/motorlink";
 
-/// The path of the WebSocket that only tells, for Foxglove and other programs.
+/// The path of the read-only WebSocket for Foxglove and other programs.
 const FOXGLOVE: &str = "/foxglove";
 
 const COOKIE_NAME: &str = "motorlink-token";
+/// A browser sets no cookie of the first name over a plain connection after it has had an encrypted one of that name.
+const ENCRYPTED_COOKIE_NAME: &str = "__Host-motorlink-token";
 
 /// A secret of 128 bits. The link that opens the page has it.
 #[derive(Clone, PartialEq, Eq)]
@@ -124,6 +128,17 @@ impl Access {
         self
     }
 
+    /// Whether the browser takes the address for a secure context: it is encrypted, by this server or a proxy, or leads to
+    /// the browser's own computer.
+    pub(crate) fn is_secure(&self, headers: &HeaderMap) -> bool {
+        let text = |name: &str| headers.get(name).and_then(|value| value.to_str().ok());
+        let host = text("host").unwrap_or_default();
+        let is_local = host
+            .parse::<Authority>()
+            .is_ok_and(|authority| is_loopback(authority.host()));
+        self.is_encrypted || is_local || text("x-forwarded-proto") == Some("https")
+    }
+
     /// The answer to a request of this address that is not let through.
     pub(crate) fn check(&self, address: IpAddr, request: &Request) -> Option<Response> {
         let headers = request.headers();
@@ -136,10 +151,11 @@ impl Access {
         let token = self.token.as_ref()?;
         let path = request.uri().path();
         // The files of the page are public: the browser asks for some of them without its cookies.
-        if !matches!(path, "/" | "/index.html" | SOCKET | FOXGLOVE) {
+        let is_page = matches!(path, "/" | "/index.html" | SOCKET | FOXGLOVE);
+        if !is_page && !path.starts_with(SESSIONS) {
             return None;
         }
-        let has_cookie = has_cookie(headers, token);
+        let has_cookie = self.has_cookie(headers, token);
         let Some(given) = token_in(request.uri().query().unwrap_or_default()) else {
             if has_cookie {
                 return None;
@@ -210,13 +226,31 @@ impl Access {
         of_origin.is_some_and(|name| name.eq_ignore_ascii_case(host))
     }
 
+    const fn cookie_name(&self) -> &'static str {
+        if self.is_encrypted {
+            ENCRYPTED_COOKIE_NAME
+        } else {
+            COOKIE_NAME
+        }
+    }
+
+    fn has_cookie(&self, headers: &HeaderMap, token: &Token) -> bool {
+        let cookies = headers.get_all(COOKIE).iter();
+        let pairs = cookies.filter_map(|value| value.to_str().ok());
+        let mut pairs = pairs.flat_map(|pairs| pairs.split(';'));
+        pairs.any(|pair| {
+            let (name, value) = pair.trim().split_once('=').unwrap_or_default();
+            name == self.cookie_name() && token.is(value)
+        })
+    }
+
     /// Keeps the token in the browser, and takes it out of the address.
     fn with_cookie(&self, path: &str, token: &Token) -> Response {
         // No script reads it, and no other site makes the browser send it.
         let secure = if self.is_encrypted { "; Secure" } else { "" };
-        let cookie = format!(
-            "{COOKIE_NAME}={token}; Path=/; HttpOnly; SameSite=Lax; Max-Age=2592000{secure}"
-        );
+        let name = self.cookie_name();
+        let cookie =
+            format!("{name}={token}; Path=/; HttpOnly; SameSite=Lax; Max-Age=2592000{secure}");
         // Only a path of this server: `//other` would be another one.
         let path = format!("/{}", path.trim_start_matches('/'));
         let mut response = StatusCode::SEE_OTHER.into_response();
@@ -290,7 +324,12 @@ fn is_plotter(origin: &str) -> bool {
     let Some(host) = host.and_then(|host| host.parse::<Authority>().ok()) else {
         return false;
     };
-    let name = host.host().trim_start_matches('[').trim_end_matches(']');
+    is_loopback(host.host())
+}
+
+/// Whether a host, as it stands in an address, is the browser's own computer.
+fn is_loopback(host: &str) -> bool {
+    let name = host.trim_start_matches('[').trim_end_matches(']');
     let is_loopback = name.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback());
     is_loopback || name.eq_ignore_ascii_case("localhost")
 }
@@ -301,16 +340,6 @@ fn network(address: IpAddr) -> IpAddr {
         IpAddr::V6(address) => Ipv6Addr::from_bits(address.to_bits() >> 64 << 64).into(),
         v4 @ IpAddr::V4(_) => v4,
     }
-}
-
-fn has_cookie(headers: &HeaderMap, token: &Token) -> bool {
-    let cookies = headers.get_all(COOKIE).iter();
-    let pairs = cookies.filter_map(|value| value.to_str().ok());
-    let mut pairs = pairs.flat_map(|pairs| pairs.split(';'));
-    pairs.any(|pair| {
-        let (name, value) = pair.trim().split_once('=').unwrap_or_default();
-        name == COOKIE_NAME && token.is(value)
-    })
 }
 
 fn token_in(query: &str) -> Option<String> {

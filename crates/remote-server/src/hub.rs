@@ -1,6 +1,6 @@
 //! What happens on the line, on its way to the pages.
 
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{Event, LineEvent};
 use motorlink_driver::{Driver, Entry, Status};
@@ -120,7 +120,7 @@ impl Hub {
     }
 
     /// Sends the state of this moment to every page, and these notices to one each.
-    fn send_state(&mut self, driver: &Driver, notices: Vec<(ViewerId, Notice)>) {
+    fn send_state(&mut self, driver: &Driver, notices: BTreeMap<ViewerId, Vec<Notice>>) {
         // The driver has ended, or stalls: the pages see that nothing comes.
         let Some(status) = driver.status() else {
             return;
@@ -128,9 +128,9 @@ impl Hub {
         self.newest = Some((status.now, std::time::Instant::now()));
         self.viewers.driver_is_at(status.now);
         let mut update = self.state(status);
-        for (viewer, notice) in notices {
+        for (viewer, notices) in notices {
             let mut own = update.clone();
-            own.notices.push(notice);
+            own.notices = notices;
             self.viewers.send(viewer, &to_page(&ToPage::Update(own)));
         }
         self.outbox.fill(&mut update);

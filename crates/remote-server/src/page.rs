@@ -21,6 +21,8 @@ use axum::{
 };
 use rust_embed::RustEmbed;
 
+use crate::sessions::SESSIONS;
+
 /// The page that was there when this program was built. A debug build reads the folder.
 #[derive(RustEmbed)]
 #[folder = "../../dist"]
@@ -37,12 +39,14 @@ const NO_SERVICE_WORKER: &str = "addEventListener('activate', () => registration
 pub struct Site {
     /// The files of a folder, read once; `None` for those in this program.
     files: Option<Arc<BTreeMap<String, Bytes>>>,
-    /// The first file, changed.
-    index: Bytes,
+    /// The first file, changed but for what depends on the request.
+    index: Arc<str>,
     /// The same, as it was built: for motors on the computer of the browser.
     local_index: Bytes,
     /// The name of the program that connects. It has a hash of its content, so it is also the version.
     version: Arc<str>,
+    /// The folder of the sessions that the server writes.
+    sessions: Option<Arc<Path>>,
 }
 
 impl Site {
@@ -73,15 +77,21 @@ impl Site {
             named(&text, "motorlink-remote").ok_or_else(old)?,
         );
         let version = remote.trim_start_matches("./").into();
-        let changed = text
-            .replace(worker, remote)
-            .replacen("<html ", "<html data-remote ", 1);
+        let changed = text.replace(worker, remote);
         Ok(Self {
             index: changed.into(),
             local_index: text.clone().into(),
             version,
             files,
+            sessions: None,
         })
+    }
+
+    /// The same, with the session files of this folder.
+    #[must_use]
+    pub fn with_sessions(mut self, folder: &Path) -> Self {
+        self.sessions = Some(folder.into());
+        self
     }
 
     /// The version of the page.
@@ -89,16 +99,39 @@ impl Site {
         *self.version == *version
     }
 
-    /// Answers a request for a file.
-    pub(crate) fn answer(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> Response {
+    /// The folder of the sessions, and the name of one of them, if the request is for it or, without a name, for their list.
+    pub(crate) fn session<'a>(&self, path: &'a str) -> Option<(Arc<Path>, &'a str)> {
+        Some((self.sessions.clone()?, path.strip_prefix(SESSIONS)?))
+    }
+
+    /// The first file. Its root element says what the page shows of the server.
+    fn index(&self, is_secure: bool) -> Bytes {
+        let sessions = if self.sessions.is_some() {
+            "sessions"
+        } else {
+            ""
+        };
+        let plain = if is_secure { "" } else { "plain" };
+        let root = format!("<html data-remote=\"{sessions} {plain}\" ");
+        self.index.replacen("<html ", &root, 1).into()
+    }
+
+    /// Answers a request for a file. `is_secure`: the browser takes the address for a secure context.
+    pub(crate) fn answer(
+        &self,
+        path: &str,
+        query: Option<&str>,
+        headers: &HeaderMap,
+        is_secure: bool,
+    ) -> Response {
         let name = path.trim_start_matches('/');
         if matches!(name, "" | "index.html") {
             let index = if query == Some("local") {
-                &self.local_index
+                self.local_index.clone()
             } else {
-                &self.index
+                self.index(is_secure)
             };
-            return response(name, index.clone(), None);
+            return response(name, index, None);
         }
         let accepted = headers
             .get(ACCEPT_ENCODING)

@@ -21,6 +21,7 @@ use tokio::{
     net::TcpListener,
     runtime::{Builder, Runtime},
     sync::Semaphore,
+    task::spawn_blocking,
     time::{sleep, timeout},
 };
 use tower_service::Service as _;
@@ -29,7 +30,7 @@ use crate::{
     access::{Access, SOCKET, is_for_foxglove},
     foxglove,
     page::Site,
-    socket,
+    sessions, socket,
     tls::Tls,
     viewers::Viewers,
 };
@@ -180,10 +181,16 @@ async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Requ
         }
         return foxglove::answer(&mut parts, shared.viewers.foxglove()).await;
     }
+    if let Some((folder, name)) = shared.site.session(parts.uri.path()) {
+        let name = name.to_owned();
+        // A disk that is slow delays no page.
+        let answered = spawn_blocking(move || sessions::answer(&folder, &name)).await;
+        return answered.unwrap_or_else(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response());
+    }
     if parts.uri.path() != SOCKET {
-        return shared
-            .site
-            .answer(parts.uri.path(), parts.uri.query(), &parts.headers);
+        let is_secure = shared.access.is_secure(&parts.headers);
+        let (path, query) = (parts.uri.path(), parts.uri.query());
+        return shared.site.answer(path, query, &parts.headers, is_secure);
     }
     if !Access::is_own_page(&parts.headers) {
         let text = "Only the page of this server may connect.\n";

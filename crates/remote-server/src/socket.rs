@@ -21,7 +21,7 @@ use crate::viewers::{Outgoing, Viewers};
 
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
-/// Messages of a page in a second: ten answers, and two sliders at 60 Hz, of several seconds that a network has held back.
+/// Messages of a page in a second: fifty answers, and two sliders at 60 Hz, of several seconds that a network has held back.
 pub(crate) const RATE_MAX: u32 = 1_000;
 /// How long a message may take to leave. A page that takes nothing for so long has gone.
 pub(crate) const SEND_MAX: Duration = Duration::from_secs(5);

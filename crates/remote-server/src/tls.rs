@@ -1,7 +1,6 @@
 //! The encrypted connection: the certificate, and the name of the server in it.
 
 use std::{
-    error::Error,
     fmt,
     sync::Arc,
     time::{Duration, SystemTime, UNIX_EPOCH},
@@ -11,7 +10,7 @@ use rcgen::{CertificateParams, DnType, KeyPair, date_time_ymd};
 use tokio_rustls::{
     TlsAcceptor,
     rustls::{
-        ServerConfig,
+        Error, ServerConfig,
         crypto::ring,
         pki_types::{CertificateDer, PrivateKeyDer, UnixTime, pem::PemObject},
     },
@@ -38,10 +37,6 @@ pub enum NoTls {
     Key,
     /// The key is not that of the certificate.
     OtherKey,
-    /// The certificate was valid until now.
-    Expired,
-    /// The certificate is not valid yet, or the clock of this computer is behind.
-    NotYet,
     /// A new one could not be made.
     NotMade,
 }
@@ -50,18 +45,14 @@ impl fmt::Display for NoTls {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Certificate => "not a certificate in PEM form",
-            Self::Key => "not a private key in PEM form",
+            Self::Key => "not a private key in PEM form that can be used",
             Self::OtherKey => "the private key is not that of the certificate",
-            Self::Expired => "the certificate has expired",
-            Self::NotYet => {
-                "the certificate is not valid yet, or the clock of this computer is behind"
-            }
             Self::NotMade => "no certificate can be made for these names",
         })
     }
 }
 
-impl Error for NoTls {}
+impl std::error::Error for NoTls {}
 
 /// A certificate and its key as text, in PEM form.
 #[derive(Clone)]
@@ -104,6 +95,37 @@ impl Pem {
     }
 }
 
+/// Why browsers refuse a certificate today.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Invalid {
+    /// It was valid until an earlier day.
+    Expired,
+    /// It is not valid yet, or the clock of this computer is behind.
+    NotYet,
+}
+
+impl Pem {
+    /// Why browsers refuse this certificate today, if it is by its dates. They also check who has signed it.
+    #[must_use]
+    pub fn invalid(&self) -> Option<Invalid> {
+        let certificate = CertificateDer::from_pem_slice(self.certificate.as_bytes()).ok()?;
+        let leaf = EndEntityCert::try_from(&certificate).ok()?;
+        // As if it were its own issuer: its dates are checked first.
+        let anchors = [anchor_from_trusted_cert(&certificate).ok()?];
+        let now = SystemTime::now().duration_since(UNIX_EPOCH);
+        let now = UnixTime::since_unix_epoch(now.unwrap_or(Duration::ZERO));
+        let algorithms = ring::default_provider()
+            .signature_verification_algorithms
+            .all;
+        let usage = KeyUsage::server_auth();
+        match leaf.verify_for_usage(algorithms, &anchors, &[], now, usage, None, None) {
+            Err(webpki::Error::CertExpired { .. }) => Some(Invalid::Expired),
+            Err(webpki::Error::CertNotValidYet { .. }) => Some(Invalid::NotYet),
+            _ => None,
+        }
+    }
+}
+
 impl Tls {
     /// Encrypts with this certificate.
     ///
@@ -114,7 +136,8 @@ impl Tls {
             CertificateDer::pem_slice_iter(pem.certificate.as_bytes())
                 .collect::<Result<_, _>>()
                 .map_err(|_| NoTls::Certificate)?;
-        check_validity(chain.first().ok_or(NoTls::Certificate)?)?;
+        let leaf = chain.first().ok_or(NoTls::Certificate)?;
+        EndEntityCert::try_from(leaf).map_err(|_| NoTls::Certificate)?;
         let key = PrivateKeyDer::from_pem_slice(pem.key.as_bytes()).map_err(|_| NoTls::Key)?;
         let provider = Arc::new(ring::default_provider());
         let config = ServerConfig::builder_with_provider(provider)
@@ -122,38 +145,15 @@ impl Tls {
             .map_err(|_| NoTls::NotMade)?
             .with_no_client_auth()
             .with_single_cert(chain, key)
-            .map_err(|_| NoTls::OtherKey)?;
+            .map_err(|error| match error {
+                Error::InconsistentKeys(_) => NoTls::OtherKey,
+                _ => NoTls::Key,
+            })?;
         Ok(Self(TlsAcceptor::from(Arc::new(config))))
     }
 
     pub(crate) const fn acceptor(&self) -> &TlsAcceptor {
         &self.0
-    }
-}
-
-/// Whether the certificate is valid today. Who has signed it, browsers check.
-fn check_validity(certificate: &CertificateDer<'_>) -> Result<(), NoTls> {
-    let leaf = EndEntityCert::try_from(certificate).map_err(|_| NoTls::Certificate)?;
-    // As if it were its own issuer: its dates are checked first.
-    let anchors = [anchor_from_trusted_cert(certificate).map_err(|_| NoTls::Certificate)?];
-    let now = SystemTime::now().duration_since(UNIX_EPOCH);
-    let now = UnixTime::since_unix_epoch(now.unwrap_or(Duration::ZERO));
-    let algorithms = ring::default_provider()
-        .signature_verification_algorithms
-        .all;
-    let checked = leaf.verify_for_usage(
-        algorithms,
-        &anchors,
-        &[],
-        now,
-        KeyUsage::server_auth(),
-        None,
-        None,
-    );
-    match checked {
-        Err(webpki::Error::CertExpired { .. }) => Err(NoTls::Expired),
-        Err(webpki::Error::CertNotValidYet { .. }) => Err(NoTls::NotYet),
-        _ => Ok(()),
     }
 }
 
@@ -207,7 +207,19 @@ mod tests {
             ..good
         };
         assert_eq!(refused(&without_certificate), Some(NoTls::Certificate));
-        assert_eq!(refused(&with_dates(2001, 2002)), Some(NoTls::Expired));
-        assert_eq!(refused(&with_dates(2090, 2091)), Some(NoTls::NotYet));
+    }
+
+    /// The motors can be driven nevertheless: a browser warns, and goes on if the person wants.
+    #[test]
+    fn a_certificate_that_is_not_valid_today_can_be_used() {
+        for (from, to, invalid) in [
+            (2001, 2002, Some(Invalid::Expired)),
+            (2090, 2091, Some(Invalid::NotYet)),
+            (2001, 2091, None),
+        ] {
+            let pem = with_dates(from, to);
+            assert_eq!(pem.invalid(), invalid);
+            assert_eq!(refused(&pem), None);
+        }
     }
 }

@@ -52,7 +52,7 @@ struct State {
     commander: Commander,
     pages: BTreeMap<ViewerId, Page>,
     /// Notices for one page, which the hub sends with the state.
-    notices: Vec<(ViewerId, Notice)>,
+    notices: BTreeMap<ViewerId, Vec<Notice>>,
     /// The pages without the lease that have stopped something lately, and when.
     stopped: BTreeMap<ViewerId, Instant>,
     /// Lines for the log of the server.
@@ -103,7 +103,7 @@ impl Viewers {
             clock: Clock::new(),
             commander,
             pages: BTreeMap::new(),
-            notices: Vec::new(),
+            notices: BTreeMap::new(),
             stopped: BTreeMap::new(),
             log: Vec::new(),
             has_new: false,
@@ -224,7 +224,7 @@ impl Viewers {
     }
 
     /// The notices for single pages.
-    pub(crate) fn take_notices(&self) -> Vec<(ViewerId, Notice)> {
+    pub(crate) fn take_notices(&self) -> BTreeMap<ViewerId, Vec<Notice>> {
         std::mem::take(&mut self.state().notices)
     }
 
@@ -239,9 +239,9 @@ impl Viewers {
             .into_iter()
             .chain(state.stopped.keys().copied())
             .collect();
-        state
-            .notices
-            .extend(given.into_iter().map(|viewer| (viewer, notice.clone())));
+        for viewer in given {
+            state.notice(viewer, notice.clone());
+        }
     }
 
     /// Adds a line to the log of the server, unless it has many.
@@ -417,8 +417,16 @@ impl State {
         if why == Some(NotDone::NotOperator) {
             // The page sees who drives.
             self.tell_control_to(viewer);
-        } else if self.notices.len() < QUEUE {
-            self.notices.push((viewer, Notice::TooLate(command)));
+        } else {
+            self.notice(viewer, Notice::TooLate(command));
+        }
+    }
+
+    /// Keeps a notice for a page, unless it has many.
+    fn notice(&mut self, viewer: ViewerId, notice: Notice) {
+        let notices = self.notices.entry(viewer).or_default();
+        if notices.len() < QUEUE {
+            notices.push(notice);
         }
     }
 }

@@ -335,7 +335,7 @@ fn an_encrypted_server_answers_only_encrypted_requests() {
     };
     let (status, answer) = get(&format!("/?token={token}"), &host);
     assert!(status == 303 && answer.contains("; Secure"), "{answer}");
-    let cookie = format!("{host}Cookie: motorlink-token={token}\r\n");
+    let cookie = format!("{host}Cookie: __Host-motorlink-token={token}\r\n");
     assert_eq!(get("/", &cookie).0, 200);
     let upgrade = format!(
         "{cookie}Origin: https://{}\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\

@@ -19,6 +19,11 @@ pub(super) fn of_control(control: WhoDrives, viewer: &str) -> String {
     text.to_owned()
 }
 
+/// What the browser does not allow without encryption, and what to do.
+pub(super) fn without_encryption() -> &'static str {
+    tr!("No gamepad, saved session or installation here. Use --certificate or ssh -L.")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

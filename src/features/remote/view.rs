@@ -34,7 +34,22 @@ fn button(control: WhoDrives) -> String {
     format!(r#"<button type="button" class="button{class}" value="{value}">{label}</button>"#)
 }
 
-/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`.
+/// A link to the sessions that the server has written, and what the browser does not allow at this address. The style shows
+/// either where the server says so.
+fn of_server() -> String {
+    [
+        "<div class=of-server><a href=sessions target=_blank>",
+        tr!("Session"),
+        "</a><details><summary>",
+        tr!("Not encrypted"),
+        "</summary><p>",
+        texts::without_encryption(),
+        "</p></details></div>",
+    ]
+    .concat()
+}
+
+/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`, link `Session`.
 #[component]
 pub(crate) fn RemoteGroup(page: Page) -> impl IntoView {
     let state = RwSignal::new(String::new());
@@ -52,7 +67,7 @@ pub(crate) fn RemoteGroup(page: Page) -> impl IntoView {
         })
     };
     // A button that stays keeps the focus.
-    let shown = memo(move || with(|control, _| button(control)));
+    let shown = memo(move || with(|control, _| button(control) + &of_server()));
     view! {
         <div class="remote" role="group" aria-label=tr!("Remote")>
             <span

@@ -15,7 +15,8 @@ pub struct Serve {
     /// link with a token
     #[arg(long, default_value = "127.0.0.1:8017", value_name = "ADDRESS[:PORT]")]
     pub listen: Listen,
-    /// A further name of this computer, as browsers have it in the address. May be given more than once
+    /// A further name of this computer, as browsers have it in the address. With a token, its own name needs none. May be
+    /// given more than once
     #[arg(long = "name", value_name = "NAME")]
     pub names: Vec<String>,
     /// File of the token. It is created if it does not exist. Without it, each start makes a new token
@@ -27,6 +28,10 @@ pub struct Serve {
     /// File of the private key of the certificate
     #[arg(long, value_name = "FILE", requires = "certificate")]
     pub key: Option<PathBuf>,
+    /// Folder for session files of all that happens on the line. The page has a link to them: save one to replay it. The
+    /// oldest are removed above 2 GB
+    #[arg(long, value_name = "FOLDER")]
+    pub log: Option<PathBuf>,
     /// Folder of the page, in place of the one that this program was built with
     #[arg(long, value_name = "FOLDER")]
     pub page: Option<PathBuf>,

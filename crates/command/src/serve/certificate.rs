@@ -2,9 +2,9 @@
 
 use std::{fs, io, net::IpAddr, path::Path};
 
-use motorlink_remote_server::{NoTls, Pem, Tls};
+use motorlink_remote_server::{Invalid, NoTls, Pem, Tls};
 
-use crate::{failure::Failure, serve::token::write_secret};
+use crate::{failure::Failure, output::say, serve::token::write_whole};
 
 /// The certificate in these files. If neither exists, they are made, for a server with these names.
 ///
@@ -15,22 +15,35 @@ pub fn certificate(file: &Path, key_file: &Path, names: Vec<String>) -> Result<T
         (Some(certificate), Some(key)) => Pem { certificate, key },
         (None, None) => {
             let pem = Pem::make(names).map_err(|why| wrong(file, why))?;
-            write_secret(key_file, &pem.key).map_err(Failure::file(key_file))?;
-            fs::write(file, &pem.certificate).map_err(Failure::file(file))?;
+            write_whole(key_file, &pem.key).map_err(Failure::file(key_file))?;
+            write_whole(file, &pem.certificate).map_err(Failure::file(file))?;
             pem
         }
         (None, Some(_)) => return Err(missing(file, key_file)),
         (Some(_), None) => return Err(missing(key_file, file)),
     };
-    Tls::new(&pem).map_err(|why| match why {
+    let tls = Tls::new(&pem).map_err(|why| match why {
         NoTls::Key | NoTls::OtherKey => wrong(key_file, why),
         _ => wrong(file, why),
-    })
+    })?;
+    if let Some(invalid) = pem.invalid() {
+        let why = match invalid {
+            Invalid::Expired => "has expired",
+            Invalid::NotYet => "is not valid yet, or the clock of this computer is behind",
+        };
+        say(format_args!(
+            "{}: the certificate {why}: browsers warn",
+            file.display()
+        ));
+    }
+    Ok(tls)
 }
 
 /// The names and addresses under which browsers find this computer.
 pub fn names(listen: IpAddr, outgoing: Option<IpAddr>, given: &[String]) -> Vec<String> {
-    let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned()];
+    let mut names = ["localhost", "127.0.0.1", "::1"]
+        .map(str::to_owned)
+        .to_vec();
     let addresses = outgoing
         .into_iter()
         .chain((!listen.is_unspecified()).then_some(listen));
@@ -47,6 +60,11 @@ pub fn local_names() -> Vec<String> {
     let Some(host) = host_name() else {
         return Vec::new();
     };
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-';
+    if host.is_empty() || !host.bytes().all(is_plain) {
+        // No name that stands in an address as it is.
+        return Vec::new();
+    }
     vec![format!("{host}.local"), host]
 }
 

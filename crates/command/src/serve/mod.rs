@@ -6,7 +6,7 @@ mod service;
 mod token;
 mod web;
 
-use std::{io, time::Duration};
+use std::{io, path::Path, time::Duration};
 
 use motorlink_driver::Ender;
 use motorlink_messages::Adapter;
@@ -14,7 +14,7 @@ use motorlink_remote_server::{Hub, Viewers};
 
 use crate::{
     arguments::Global,
-    connection::{Connection, Happened},
+    connection::{Connection, Happened, most_serious},
     failure::Failure,
     output::say,
     serve::{arguments::Serve, service::Service, web::Web},
@@ -29,10 +29,18 @@ const ENTRIES_MAX: usize = 64;
 /// # Errors
 /// The page is missing, the address is in use, the token or the certificate cannot be read, or the line cannot be opened.
 pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
-    let web = Web::prepare(how)?;
-    let mut connection =
-        Connection::open_with(global, ender, |options| options.tells_traffic = true)?;
-    let served = serve(&mut connection, web);
+    let log = how.log.clone();
+    let web = Web::prepare(how);
+    let opened = Connection::open_with(global, ender, |options| options.tells_traffic = true);
+    let (web, mut connection) = match (web, opened) {
+        (Ok(web), opened) => (web, opened?),
+        // A wheel may turn that an earlier server has left driven. It is stopped whatever is wrong with this one.
+        (Err(failure), Ok(connection)) => {
+            return most_serious(Err(failure), connection.end_with(|_| ()));
+        }
+        (Err(failure), Err(_)) => return Err(failure),
+    };
+    let served = serve(&mut connection, web, log.as_deref());
     let stopped = connection.end_with(|_| ());
     match served {
         // Ctrl-C is how a person ends it.
@@ -42,7 +50,13 @@ pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
 }
 
 /// Finds the motors, and serves.
-fn serve(connection: &mut Connection, web: Web) -> Result<(), Failure> {
+fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<(), Failure> {
+    if let Some(folder) = log
+        && let Err(failure) = connection.log_to(folder)
+    {
+        // The motors can be driven nevertheless.
+        say(format_args!("--log has ended: {failure}"));
+    }
     match watch_found(connection) {
         // The page shows that no motor answers, and what to do.
         Err(Failure::NotDone(text)) => say(text),
@@ -56,7 +70,7 @@ fn serve(connection: &mut Connection, web: Web) -> Result<(), Failure> {
     let mut service = Service::ready();
     loop {
         let wait = hub.turn(&connection.driver);
-        service.lives();
+        service.notify_alive();
         viewers.take_log().into_iter().for_each(say);
         let mut next = connection.next_within(wait)?;
         // Several, so that a busy line does not turn the hub for each frame.

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// The service of systemd in which this program runs, or none.
+/// Tells systemd, if it has started this program.
 pub struct Service {
     /// How often to say that the program lives, if systemd watches it.
     every: Option<Duration>,
@@ -20,8 +20,8 @@ impl Service {
         }
     }
 
-    /// The thread that serves the driver lives. To be called often.
-    pub fn lives(&mut self) {
+    /// Says that the thread beside the driver lives. To be called often.
+    pub fn notify_alive(&mut self) {
         let Some(every) = self.every else { return };
         let now = Instant::now();
         if now >= self.next {

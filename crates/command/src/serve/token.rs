@@ -21,7 +21,7 @@ pub fn token(file: Option<&Path>) -> Result<Token, Failure> {
         }),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let token = new()?;
-            write_secret(file, &format!("{token}\n")).map_err(Failure::file(file))?;
+            write_whole(file, &format!("{token}\n")).map_err(Failure::file(file))?;
             Ok(token)
         }
         Err(error) => Err(Failure::file(file)(error)),
@@ -32,11 +32,23 @@ fn new() -> Result<Token, Failure> {
     Token::new().map_err(|error| Failure::NotDone(format!("no random numbers: {error}")))
 }
 
-/// Only its owner can read the file.
-pub fn write_secret(path: &Path, text: &str) -> io::Result<()> {
+/// Writes a new file that only its owner can read. It is there whole, or not at all.
+pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
+    let mut new = path.as_os_str().to_owned();
+    new.push(".new");
+    let new = Path::new(&new);
     let mut options = fs::OpenOptions::new();
-    options.write(true).create_new(true);
+    options.write(true).create(true).truncate(true);
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    options.open(path)?.write_all(text.as_bytes())
+    let written = options.open(new).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.sync_all()
+    });
+    let written = written.and_then(|()| fs::rename(new, path));
+    if written.is_err() {
+        // It may not be there.
+        let _ = fs::remove_file(new);
+    }
+    written
 }

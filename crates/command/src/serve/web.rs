@@ -34,6 +34,10 @@ impl Web {
     /// One of them is missing or wrong, or the address is in use.
     pub fn prepare(how: Serve) -> Result<Self, Failure> {
         let site = Site::open(how.page).map_err(|error| Failure::Usage(error.to_string()))?;
+        let site = match &how.log {
+            Some(folder) => site.with_sessions(folder),
+            None => site,
+        };
         let listen = how.listen.0;
         let is_private = listen.ip().is_loopback() && how.names.is_empty();
         // Another name is that of a proxy: others connect through it.
@@ -42,7 +46,7 @@ impl Web {
         } else {
             Some(token::token(how.token_file.as_deref())?)
         };
-        let outgoing = outgoing_address();
+        let outgoing = outgoing_address(listen.ip().is_ipv6());
         let tls = match (&how.certificate, &how.key) {
             (Some(file), Some(key)) => {
                 let names = names(listen.ip(), outgoing, &how.names);
@@ -132,9 +136,14 @@ fn links(origin: &str, token: &Token, file: Option<&Path>, is_encrypted: bool) -
 }
 
 /// The address from which this computer reaches others. Nothing is sent.
-fn outgoing_address() -> Option<IpAddr> {
-    let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
-    // An address for documentation (RFC 5737): only the route to it is asked for.
-    socket.connect("192.0.2.1:9").ok()?;
+fn outgoing_address(is_ipv6: bool) -> Option<IpAddr> {
+    // Addresses for documentation (RFC 5737 and 3849): only the route to them is asked for.
+    let (from, to) = if is_ipv6 {
+        ("[::]:0", "[2001:db8::1]:9")
+    } else {
+        ("0.0.0.0:0", "192.0.2.1:9")
+    };
+    let socket = std::net::UdpSocket::bind(from).ok()?;
+    socket.connect(to).ok()?;
     Some(socket.local_addr().ok()?.ip())
 }

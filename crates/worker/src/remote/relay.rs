@@ -22,9 +22,12 @@ use crate::{
     traffic::{send_encoded, send_state},
 };
 
-/// How often the connection is looked at, in milliseconds. The page is pinged as often: it takes a worker that does not
+/// [`ANSWER_AGAIN_EVERY`], in milliseconds.
+#[expect(clippy::cast_possible_truncation, reason = "25")]
+const TICK_MS: u32 = ANSWER_AGAIN_EVERY.as_millis() as u32;
+/// After how many ticks the connection is looked at: four times a second. The page is pinged as often: it takes a worker that does not
 /// ping for a failed one.
-const LOOK_EVERY_MS: u32 = 250;
+const LOOK_EVERY: u32 = 10;
 /// The server sends four messages a second at least. The connection is lost if nothing comes for so long.
 const SILENCE_MAX: Duration = Duration::from_millis(1_500);
 /// The pause before a lost connection is tried again.
@@ -49,6 +52,7 @@ struct Relay {
     /// The number of the lease, while this page drives.
     epoch: Option<u32>,
     sequence: u32,
+    ticks: u32,
     /// The group `Remote` of the page, once it is loaded.
     group: Option<Group>,
     /// What it shows: a text of [`WhoDrives`].
@@ -86,6 +90,7 @@ pub(crate) fn start() {
         answered: 0,
         epoch: None,
         sequence: 0,
+        ticks: 0,
         state: WhoDrives::Connecting.text(""),
         server_origin_ms: None,
         clock,
@@ -109,10 +114,7 @@ pub(crate) fn start() {
         },
         Incoming::TrafficPort(port) => of_page.borrow_mut().recorder = Some(port),
     });
-    let answering = Rc::clone(&relay);
-    let again_ms = u32::try_from(ANSWER_AGAIN_EVERY.as_millis()).unwrap_or(u32::MAX);
-    Interval::new(again_ms, move || answering.borrow().answer_again()).forget();
-    Interval::new(LOOK_EVERY_MS, move || look(&relay)).forget();
+    Interval::new(TICK_MS, move || tick(&relay)).forget();
 }
 
 /// Connects to the server.
@@ -140,6 +142,21 @@ const fn patience(socket: Option<&Socket>) -> Duration {
     match socket {
         Some(_) => CONNECTS_WITHIN,
         None => TRY_AGAIN,
+    }
+}
+
+/// Sends the newest answer again: so TCP repeats an earlier lost packet sooner. Looks at the connection from time to time.
+fn tick(shared: &Shared) {
+    let mut relay = shared.borrow_mut();
+    if relay.epoch.is_some() {
+        let challenge = relay.answered;
+        relay.send(&ToServer::Answer { challenge });
+    }
+    relay.ticks += 1;
+    if relay.ticks == LOOK_EVERY {
+        relay.ticks = 0;
+        drop(relay);
+        look(shared);
     }
 }
 
@@ -217,15 +234,6 @@ impl Relay {
         if let Some(Some(challenge)) = self.pings.pop_front() {
             self.answered = challenge;
             self.send(&ToServer::Answer { challenge });
-        }
-    }
-
-    /// Sends the newest answer again: a lost packet before it is sent again sooner then.
-    fn answer_again(&self) {
-        if self.epoch.is_some() {
-            self.send(&ToServer::Answer {
-                challenge: self.answered,
-            });
         }
     }
 

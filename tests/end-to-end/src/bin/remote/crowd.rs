@@ -32,6 +32,9 @@ use crate::{
 /// What a page does while it is connected.
 type Kind = fn(&Server, &AtomicBool);
 
+/// How long to drive without other pages at most: long enough for a percentile.
+const ALONE_MAX: Duration = Duration::from_secs(120);
+
 const WATCHERS: usize = 75;
 const SLOW: usize = 20;
 const HOSTILE: usize = 5;
@@ -86,7 +89,7 @@ pub fn many_viewers(lasts: Duration) -> Result<()> {
     }));
     take_and_drive(&mut operator, start())?;
     live(&mut operator, Duration::from_secs(1))?;
-    let alone = drive(&server, &mut operator, lasts)?;
+    let alone = drive(&server, &mut operator, lasts.min(ALONE_MAX))?;
     let kinds: [(Kind, usize); 3] = [(watch, WATCHERS), (watch_slowly, SLOW), (attack, HOSTILE)];
     let pages: Vec<_> = kinds
         .into_iter()

@@ -1,0 +1,142 @@
+//! The session files that the server has written, for the browser to save. The page replays them.
+
+use std::{
+    fmt::Write as _,
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+};
+
+use axum::{
+    body::{Body, Bytes},
+    http::{
+        HeaderValue, StatusCode,
+        header::{
+            CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE,
+            X_CONTENT_TYPE_OPTIONS,
+        },
+    },
+    response::{IntoResponse, Response},
+};
+use futures_util::stream;
+use tokio::io::AsyncReadExt;
+
+/// The path of the list. Below it are the files.
+pub(crate) const SESSIONS: &str = "/sessions";
+
+/// The end of the name of a session file.
+const ENDING: &str = ".mcap";
+/// Bytes of one read.
+const PIECE: usize = 64 << 10;
+
+/// Answers a request below [`SESSIONS`], with what is in this folder. `name` is what follows in the path. Waits for the disk.
+pub(crate) fn answer(folder: &Path, name: &str) -> Response {
+    let answered = match name.trim_start_matches('/') {
+        "" => list(folder),
+        name => file(folder, name),
+    };
+    answered.unwrap_or_else(|_| (StatusCode::NOT_FOUND, "no such session\n").into_response())
+}
+
+/// The files, the newest first. It has no words, so it needs no language.
+fn list(folder: &Path) -> io::Result<Response> {
+    let mut page =
+        "<!doctype html><meta charset=utf-8><meta name=viewport content=width=device-width>\
+                    <meta name=color-scheme content=\"light dark\"><title>MotorLink</title><ul>"
+            .to_owned();
+    for (name, bytes) in files(folder)?.into_iter().rev() {
+        let tenths = bytes.div_ceil(100_000);
+        let (whole, tenth) = (tenths / 10, tenths % 10);
+        // Writing to a string does not fail.
+        let _ = write!(
+            page,
+            "<li><a href=\"{SESSIONS}/{name}\">{name}</a> {whole}.{tenth} MB"
+        );
+    }
+    let mut response = page.into_response();
+    let policy = "default-src 'none'; frame-ancestors 'none'";
+    set(&mut response, "text/html; charset=utf-8", policy);
+    Ok(response)
+}
+
+/// The session files, by name.
+fn files(folder: &Path) -> io::Result<Vec<(String, u64)>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if is_name(&name) {
+            files.push((name, entry.metadata()?.len()));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Whether it is a name of a file in the folder itself, which needs no escape in HTML or an address.
+fn is_name(name: &str) -> bool {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.');
+    name.ends_with(ENDING) && !name.starts_with('.') && name.bytes().all(is_plain)
+}
+
+/// The file as it is now. One that is still being written has no end yet, and can be read nevertheless.
+fn file(folder: &Path, name: &str) -> io::Result<Response> {
+    if !is_name(name) {
+        return Err(io::ErrorKind::NotFound.into());
+    }
+    let path: PathBuf = folder.join(name);
+    // A link leads elsewhere.
+    if !fs::symlink_metadata(&path)?.is_file() {
+        return Err(io::ErrorKind::NotFound.into());
+    }
+    let file = tokio::fs::File::from_std(File::open(path)?);
+    let pieces = stream::try_unfold(file, async |mut file| {
+        let mut piece = vec![0; PIECE];
+        let length = file.read(&mut piece).await?;
+        piece.truncate(length);
+        let piece = (length > 0).then_some((Bytes::from(piece), file));
+        Ok::<_, io::Error>(piece)
+    });
+    let mut response = Body::from_stream(pieces).into_response();
+    set(
+        &mut response,
+        "application/octet-stream",
+        "default-src 'none'",
+    );
+    let save = HeaderValue::from_static("attachment");
+    response.headers_mut().insert(CONTENT_DISPOSITION, save);
+    Ok(response)
+}
+
+fn set(response: &mut Response, content_type: &'static str, policy: &'static str) {
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (CONTENT_TYPE, content_type),
+        (CONTENT_SECURITY_POLICY, policy),
+        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (CACHE_CONTROL, "no-store"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_sessions_in_the_folder_itself_are_named() {
+        assert!(is_name("motorlink-session-000012-20261127-193300.mcap"));
+        for name in [
+            "token",
+            ".mcap",
+            "../token.mcap",
+            "a/b.mcap",
+            "a\\b.mcap",
+            "<a>.mcap",
+            "%2e%2e.mcap",
+        ] {
+            assert!(!is_name(name), "{name}");
+        }
+    }
+}
