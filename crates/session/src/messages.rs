@@ -62,7 +62,7 @@ impl Messages {
     }
 
     /// Sets a new offset of the wall clock for the following records.
-    pub fn set_clock(&mut self, zero_unix_us: i64, put: &mut impl FnMut(Message<'_>)) {
+    pub fn set_clock(&mut self, zero_unix_us: i64, put: &mut dyn FnMut(Message<'_>)) {
         if self.zero_unix_us != zero_unix_us {
             self.flush(put);
             self.zero_unix_us = zero_unix_us;
@@ -73,7 +73,7 @@ impl Messages {
     pub fn line(
         &mut self,
         event: &LineEvent,
-        put: &mut impl FnMut(Message<'_>),
+        put: &mut dyn FnMut(Message<'_>),
     ) -> Option<(Instant, Event)> {
         if let LineEventKind::ModelSelected(model) = event.kind {
             self.flush(put);
@@ -120,7 +120,7 @@ impl Messages {
         &mut self,
         at: Instant,
         reported: &Reported,
-        put: &mut impl FnMut(Message<'_>),
+        put: &mut dyn FnMut(Message<'_>),
     ) -> Option<(Instant, Event)> {
         let mut json = self.spare.pop().unwrap_or_default();
         reported.write(&mut json, at);
@@ -131,7 +131,7 @@ impl Messages {
     }
 
     /// Takes an event between frames. Changes of faults are derived from replies, so they are ignored here.
-    pub fn event(&mut self, at: Instant, event: &Event, put: &mut impl FnMut(Message<'_>)) {
+    pub fn event(&mut self, at: Instant, event: &Event, put: &mut dyn FnMut(Message<'_>)) {
         if matches!(event.kind, EventKind::Connected | EventKind::Disconnected)
             && let Some(rover) = &mut self.rover
         {
@@ -142,7 +142,7 @@ impl Messages {
         }
     }
 
-    fn put_event(&mut self, at: Instant, event: &Event, put: &mut impl FnMut(Message<'_>)) {
+    fn put_event(&mut self, at: Instant, event: &Event, put: &mut dyn FnMut(Message<'_>)) {
         self.flush(put);
         put(Message {
             channel: Channel::Events,
@@ -151,7 +151,7 @@ impl Messages {
         });
     }
 
-    fn second(&self, second: &Second, put: &mut impl FnMut(Message<'_>)) {
+    fn second(&self, second: &Second, put: &mut dyn FnMut(Message<'_>)) {
         put(Message {
             channel: Channel::Link,
             log_ns: self.utc_ns(second.began()),
@@ -160,7 +160,7 @@ impl Messages {
     }
 
     /// Tells the frames so far, and their telemetry.
-    pub fn flush(&mut self, put: &mut impl FnMut(Message<'_>)) {
+    pub fn flush(&mut self, put: &mut dyn FnMut(Message<'_>)) {
         let zero_unix_us = self.zero_unix_us;
         let mut put = |channel, at, json: &str| {
             put(Message {
@@ -187,7 +187,7 @@ impl Messages {
     }
 
     /// Tells what is left at the end.
-    pub(crate) fn end(&mut self, put: &mut impl FnMut(Message<'_>)) {
+    pub(crate) fn end(&mut self, put: &mut dyn FnMut(Message<'_>)) {
         self.flush(put);
         if let Some(second) = self.meter.end() {
             self.second(&second, put);

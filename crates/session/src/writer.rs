@@ -1,6 +1,6 @@
 //! The writer of sessions: takes records, returns bytes of a file.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::time::Duration;
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::{Update, stored_state};
@@ -46,17 +46,31 @@ pub struct Writer {
 struct JsonFile {
     container: Container,
     telemetry_schema: u16,
-    channels: BTreeMap<Channel, u16>,
+    /// A few. To search a map takes more code than the browser should load.
+    channels: Vec<(Channel, u16)>,
 }
 
 impl JsonFile {
+    fn add(&mut self, channel: Channel, schema: u16) -> u16 {
+        let number = self.container.channel(schema, channel.topic());
+        self.channels.push((channel, number));
+        number
+    }
+
+    /// Puts messages into the file. One function does it, for all that make messages.
+    fn putting(&mut self) -> impl FnMut(Message<'_>) {
+        |message| self.put(&message)
+    }
+
     fn put(&mut self, message: &Message<'_>) {
-        let container = &mut self.container;
-        // The others are there from the start.
-        let channel = *self.channels.entry(message.channel).or_insert_with(|| {
-            container.channel(self.telemetry_schema, message.channel.topic().into())
-        });
-        container.message(channel, message.log_ns, message.json.as_bytes());
+        let found = self.channels.iter().find(|(it, _)| *it == message.channel);
+        let channel = match found {
+            Some((_, channel)) => *channel,
+            // The others are there from the start.
+            None => self.add(message.channel, self.telemetry_schema),
+        };
+        self.container
+            .message(channel, message.log_ns, message.json.as_bytes());
     }
 }
 
@@ -72,24 +86,28 @@ impl Writer {
         container.metadata(format::METADATA, &[&own, about].concat());
         let rover = about.iter().find(|(name, _)| *name == format::ROVER_KEY);
         let rover = rover.and_then(|(_, json)| Rover::from_json(json));
-        let mut channels = vec![Channel::Wire, Channel::Events, Channel::Link];
-        if rover.is_some() {
-            channels.extend([Channel::Odometry, Channel::CommandedMotion]);
-        }
-        let mut channel = |channel: Channel| {
-            let (name, json) = channel.schema();
-            let schema = container.schema(name, json);
-            (channel, container.channel(schema, channel.topic().into()))
+        let mut file = JsonFile {
+            container,
+            telemetry_schema: 0,
+            channels: Vec::new(),
         };
-        let channels = channels.into_iter().map(&mut channel).collect();
+        let channels = [
+            Channel::Wire,
+            Channel::Events,
+            Channel::Link,
+            Channel::Odometry,
+            Channel::CommandedMotion,
+        ];
+        let count = if rover.is_some() { 5 } else { 3 };
+        for channel in channels.into_iter().take(count) {
+            let (name, json) = channel.schema();
+            let schema = file.container.schema(name, json);
+            file.add(channel, schema);
+        }
         let (name, json) = schemas::TELEMETRY;
-        let telemetry_schema = container.schema(name, json);
+        file.telemetry_schema = file.container.schema(name, json);
         Self {
-            file: JsonFile {
-                container,
-                telemetry_schema,
-                channels,
-            },
+            file,
             messages: Messages::new(zero_unix_us).with_rover(rover),
             last: Instant::ZERO,
             overview: Overview::default(),
@@ -101,16 +119,14 @@ impl Writer {
 
     /// Sets a new offset of the wall clock for the following records.
     pub fn set_clock(&mut self, zero_unix_us: i64) {
-        let file = &mut self.file;
         self.messages
-            .set_clock(zero_unix_us, &mut |message| file.put(&message));
+            .set_clock(zero_unix_us, &mut self.file.putting());
     }
 
     /// Adds an event of the bus.
     pub fn line(&mut self, event: &LineEvent) {
         self.repeat_state(event.at);
-        let file = &mut self.file;
-        let fault = self.messages.line(event, &mut |message| file.put(&message));
+        let fault = self.messages.line(event, &mut self.file.putting());
         if let LineEventKind::ModelSelected(model) = event.kind {
             self.replies.set_model(model);
             self.overview.set_model(model);
@@ -130,9 +146,7 @@ impl Writer {
             return;
         }
         self.repeat_state(at);
-        let file = &mut self.file;
-        self.messages
-            .event(at, event, &mut |message| file.put(&message));
+        self.messages.event(at, event, &mut self.file.putting());
         self.last = at;
         self.count(at, What::Event(event.clone()));
     }
@@ -200,8 +214,7 @@ impl Writer {
 
     /// Writes the frames so far, and their telemetry.
     fn flush(&mut self) {
-        let file = &mut self.file;
-        self.messages.flush(&mut |message| file.put(&message));
+        self.messages.flush(&mut self.file.putting());
     }
 
     /// Adds an attachment, such as the setup.
@@ -225,8 +238,7 @@ impl Writer {
     /// Ends the file. Returns the bytes that were not taken.
     #[must_use]
     pub fn finish(mut self) -> Vec<u8> {
-        let file = &mut self.file;
-        self.messages.end(&mut |message| file.put(&message));
+        self.messages.end(&mut self.file.putting());
         let overview = self.overview.to_json();
         self.attach(format::OVERVIEW, "application/json", overview.as_bytes());
         self.file.container.finish()

@@ -1,7 +1,5 @@
 //! The channels whose messages are JSON.
 
-use std::borrow::Cow;
-
 use motorlink_protocol::MotorId;
 
 use super::{
@@ -29,15 +27,16 @@ pub enum Channel {
 impl Channel {
     /// Its name.
     #[must_use]
-    pub fn topic(self) -> Cow<'static, str> {
-        match self {
-            Self::Wire => Topic::WIRE.into(),
-            Self::Events => Topic::EVENTS.into(),
-            Self::Link => Topic::LINK.into(),
-            Self::Telemetry(id) => format!("/motors/{}/telemetry", id.get()).into(),
-            Self::Odometry => Topic::ODOM.into(),
-            Self::CommandedMotion => Topic::CMD_VEL.into(),
-        }
+    pub fn topic(self) -> String {
+        let topic = match self {
+            Self::Wire => Topic::WIRE,
+            Self::Events => Topic::EVENTS,
+            Self::Link => Topic::LINK,
+            Self::Telemetry(id) => return format!("/motors/{}/telemetry", id.get()),
+            Self::Odometry => Topic::ODOM,
+            Self::CommandedMotion => Topic::CMD_VEL,
+        };
+        topic.to_owned()
     }
 
     /// The name of the schema of its messages, and the schema (`jsonschema`).
