@@ -131,6 +131,10 @@ fn bind(workspace: &Workspace, profile: Profile, name: &str, bindgen: &Path) -> 
     }
     if matches!(profile, Profile::Release) {
         (wasm, glue) = short_names::shorten(&parts::without_names(&wasm)?, &glue)?;
+        wasm = short_names::without_commit(wasm);
+        for (_, part) in &mut later {
+            *part = short_names::without_commit(std::mem::take(part));
+        }
     }
     Ok(Module {
         glue,

@@ -56,6 +56,28 @@ fn short_name(name: &str, short: &mut BTreeMap<String, String>) -> String {
         .clone()
 }
 
+/// Before the commit of the compiler in the name of a file of its library, which a panic names.
+const OF_COMPILER: &[u8] = b"/rustc/";
+/// Digits of that commit.
+const COMMIT_LEN: usize = 40;
+
+/// Puts zeros in the place of the commit of the compiler: nothing compresses it, and each file has it.
+pub fn without_commit(mut wasm: Vec<u8>) -> Vec<u8> {
+    let mut at = 0;
+    while let Some(found) = wasm.get(at..).and_then(|rest| {
+        rest.windows(OF_COMPILER.len())
+            .position(|it| it == OF_COMPILER)
+    }) {
+        at += found + OF_COMPILER.len();
+        if let Some(commit) = wasm.get_mut(at..at + COMMIT_LEN)
+            && commit.iter().all(u8::is_ascii_hexdigit)
+        {
+            commit.fill(b'0');
+        }
+    }
+    wasm
+}
+
 #[cfg(test)]
 mod tests {
     use wasm_encoder::{EntityType, TypeSection};
@@ -87,6 +109,14 @@ mod tests {
         let short = ["__wbg_focus_0", "__wbg_focus_1", "__wbindgen_throw"];
         assert_eq!(wasm, module(&short));
         assert_eq!(glue, short.map(|name| format!("{name}: f,\n")).concat());
+    }
+
+    #[test]
+    fn the_commit_of_the_compiler_becomes_zeros_of_the_same_length() {
+        let commit = "59807616e1fa2540724bfbac14d7976d7e4a3860";
+        let text = format!("a/rustc/{commit}/library/b/rustc/c");
+        let expected = format!("a/rustc/{}/library/b/rustc/c", "0".repeat(COMMIT_LEN));
+        assert_eq!(without_commit(text.into_bytes()), expected.into_bytes());
     }
 
     #[test]

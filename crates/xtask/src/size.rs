@@ -53,7 +53,7 @@ const PARTS: [Part; 19] = [
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
     // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 400 the dock.
     // 500 are the rest of the first screen, and a tour that covers no wheel.
-    ("later style", BEHIND, &["later-style-"], 17_100),
+    ("later style", BEHIND, &["later-style-"], 17_200),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
@@ -88,7 +88,7 @@ const PARTS: [Part; 19] = [
     // too. 1,200 are the panes of the graph, of which a picture is saved, 600 the
     // exports of the panel Recording, which is a tool, 200 what a start waits for. 900 say why a motor cannot be driven at
     // once, to the drive pad and to a run.
-    ("shared", BEHIND, &["chunk"], 87_400),
+    ("shared", BEHIND, &["chunk"], 87_200),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
@@ -106,7 +106,7 @@ const PARTS: [Part; 19] = [
     // port worker sends. 7,700 are the motion of a rover as messages of ROS, with its odometry, and states without the replies
     // that frames tell. 100 read the setpoint that waits for a stop or a switch. Like the recorder it knows every English
     // message: 300. The folder in which it is compiled changes its size by 300.
-    ("session worker", ASKED, &["sessions-"], 250_400),
+    ("session worker", ASKED, &["sessions-"], 250_300),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     ("runs", ASKED, &["runs-"], 83_900),
     // The worker of a page that comes from `motorlink serve`, which alone sends it: the WebSocket and the messages.
@@ -128,7 +128,7 @@ const PARTS: [Part; 19] = [
     // models. 120 are the switches and marks of the graph, 100 the places,
     // 350 the first screen.
     ("German", ASKED, &["texts-de", "help/de"], 29_800),
-    ("Chinese", ASKED, &["texts-zh", "help/zh"], 29_100),
+    ("Chinese", ASKED, &["texts-zh", "help/zh"], 29_200),
     ("server", ASKED, &["."], 1_000),
 ];
 
