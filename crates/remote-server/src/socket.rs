@@ -22,7 +22,7 @@ use crate::viewers::{Outgoing, Viewers};
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
 /// Messages of a page in a second: fifty answers, and two sliders at 60 Hz, of several seconds that a network has held back.
-pub(crate) const RATE_MAX: u32 = 1_000;
+const RATE_MAX: u32 = 1_000;
 /// How long a message may take to leave. A page that takes nothing for so long has gone.
 pub(crate) const SEND_MAX: Duration = Duration::from_secs(5);
 /// A page answers several challenges a second. The network has gone if nothing comes for so long.
@@ -83,23 +83,45 @@ async fn serve(socket: WebSocket, viewers: Viewers, address: IpAddr) {
     }
 }
 
+/// The messages of a connection in this second.
+pub(crate) struct Rate {
+    since: Instant,
+    messages: u32,
+}
+
+impl Default for Rate {
+    fn default() -> Self {
+        Self {
+            since: Instant::now(),
+            messages: 0,
+        }
+    }
+}
+
+impl Rate {
+    /// Counts a message. Returns whether there are more than [`RATE_MAX`] in this second.
+    pub(crate) fn is_too_high(&mut self) -> bool {
+        if self.since.elapsed() >= Duration::from_secs(1) {
+            *self = Self::default();
+        }
+        self.messages += 1;
+        self.messages > RATE_MAX
+    }
+}
+
 /// Passes on the messages of a page until it goes.
 async fn receive(
     mut stream: SplitStream<WebSocket>,
     viewers: &Viewers,
     viewer: ViewerId,
 ) -> Result<(), &'static str> {
-    let mut second = (Instant::now(), 0);
+    let mut rate = Rate::default();
     loop {
         let next = timeout(SILENCE_MAX, stream.next()).await;
         let Ok(Some(Ok(message))) = next else {
             return Ok(());
         };
-        if second.0.elapsed() >= Duration::from_secs(1) {
-            second = (Instant::now(), 0);
-        }
-        second.1 += 1;
-        if second.1 > RATE_MAX {
+        if rate.is_too_high() {
             return Err("it sends too much");
         }
         match message {

@@ -1,4 +1,6 @@
-//! The pages that are connected, and what they ask for.
+//! The pages that are connected: who they are, who drives, and what is sent to them.
+
+mod acts;
 
 use std::{
     collections::BTreeMap,
@@ -10,16 +12,16 @@ use std::{
 };
 
 use axum::body::Bytes;
-use motorlink_bus::{COMMAND_AGE_MAX, Command, CommandKind, StopReason};
+use motorlink_bus::{Command, StopReason};
 use motorlink_driver::{Clock, Commander};
-use motorlink_messages::{Notice, encode, runs::ToRun};
+use motorlink_messages::{Notice, encode};
 use motorlink_protocol::Instant;
-use motorlink_remote::{Control, Ended, FromServer, NotDone, Taken, Viewer, ViewerId};
+use motorlink_remote::{Control, Ended, FromServer, Taken, Viewer, ViewerId};
 use tokio::sync::{broadcast, mpsc};
 
 use crate::{
     foxglove::Clients,
-    messages::{Act, Garbage, Message, stops_in},
+    messages::{Garbage, Message},
 };
 
 /// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
@@ -30,7 +32,6 @@ const UPDATES: usize = 64;
 
 /// The driver refuses a command at once, and a busy computer needs longer.
 const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
-
 /// How often the lease is looked at.
 const LOOK_MAX: Duration = Duration::from_millis(10);
 const LOOK_MIN: Duration = Duration::from_millis(1);
@@ -337,89 +338,6 @@ impl State {
             asks: self.control.asks().and_then(named),
         };
         self.send(viewer, &message);
-    }
-
-    /// Gives a command of a page to the driver, while the lease is locked: a lease that ends afterwards stops it.
-    fn command(&mut self, now: Instant, viewer: ViewerId, act: Act, command: Command) {
-        let holds = self.control.holds(now, viewer, act.stamp.epoch);
-        let is_operator = self
-            .control
-            .operator()
-            .is_some_and(|(holder, _)| holder == viewer);
-        match command {
-            // Everybody may stop, and a late stop is one too.
-            Command::Stop(_) | Command::StopAll(StopReason::Operator) | Command::StopRaw => {
-                self.stop(now, viewer, is_operator, [command]);
-            }
-            // The operator's page was closed or hidden. That of a watcher stops nothing.
-            Command::StopAll(_) => {
-                if is_operator {
-                    self.commander.command(command);
-                }
-            }
-            // They move nothing, and the page sends its settings only once.
-            Command::CancelJob | Command::Configure(_) if holds => self.commander.command(command),
-            command => {
-                let starts = command.may_move() || command.releases();
-                let done = self.control.act(now, viewer, act.stamp, starts);
-                match done {
-                    Ok(()) if !command.is_too_old(act.age) => self.commander.command(command),
-                    done => {
-                        let stops = stops_in(command);
-                        if stops.is_empty() {
-                            self.not_done(viewer, command.into(), done.err());
-                        }
-                        self.stop(now, viewer, is_operator, stops);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Gives stops of any page to the driver.
-    fn stop(
-        &mut self,
-        now: Instant,
-        viewer: ViewerId,
-        is_operator: bool,
-        stops: impl IntoIterator<Item = Command>,
-    ) {
-        for stop in stops {
-            self.commander.command(stop);
-            if !is_operator {
-                self.control.stopped_by_other(now);
-                self.stopped.insert(viewer, now);
-            }
-        }
-    }
-
-    /// Gives a message to the run of an experiment.
-    fn run(&mut self, now: Instant, viewer: ViewerId, act: Act, message: ToRun) {
-        let holds = self.control.holds(now, viewer, act.stamp.epoch);
-        let is_given = match message {
-            // It stops motors: everybody may, however late.
-            ToRun::Abort => true,
-            ToRun::Pause | ToRun::FocusLost => holds,
-            ToRun::Arm { .. } | ToRun::Start { .. } | ToRun::Resume => {
-                let done = self.control.act(now, viewer, act.stamp, true);
-                let is_old = act.age > COMMAND_AGE_MAX;
-                done.is_ok() && !is_old
-            }
-        };
-        if is_given {
-            self.commander.run(message);
-        } else {
-            self.tell_control_to(viewer);
-        }
-    }
-
-    fn not_done(&mut self, viewer: ViewerId, command: CommandKind, why: Option<NotDone>) {
-        if why == Some(NotDone::NotOperator) {
-            // The page sees who drives.
-            self.tell_control_to(viewer);
-        } else {
-            self.notice(viewer, Notice::TooLate(command));
-        }
     }
 
     /// Keeps a notice for a page, unless it has many.

@@ -1,6 +1,6 @@
 //! The connection of one client.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::{
     body::Bytes,
@@ -24,7 +24,7 @@ use super::{
     clients::{ClientId, Clients},
     protocol::SUBPROTOCOLS,
 };
-use crate::socket::{Close, RATE_MAX, SEND_MAX, close};
+use crate::socket::{Close, Rate, SEND_MAX, close};
 
 /// The longest message of a client: subscriptions to the channels of 254 motors at once have 20 kB.
 const MESSAGE_MAX: usize = 32 * 1024;
@@ -65,13 +65,9 @@ async fn serve(socket: WebSocket, clients: Clients) {
 
 /// Takes the messages of a client until it goes, or sends too much.
 async fn receive(mut stream: SplitStream<WebSocket>, clients: &Clients, id: ClientId) {
-    let mut second = (Instant::now(), 0);
+    let mut rate = Rate::default();
     while let Ok(Some(Ok(message))) = timeout(SILENCE_MAX, stream.next()).await {
-        if second.0.elapsed() >= Duration::from_secs(1) {
-            second = (Instant::now(), 0);
-        }
-        second.1 += 1;
-        if second.1 > RATE_MAX {
+        if rate.is_too_high() {
             return;
         }
         match message {
