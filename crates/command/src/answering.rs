@@ -49,7 +49,7 @@ impl Connection {
                 format!("no reply from {missing}. {WIRING}, or find its ID: motorlink scan")
             } else {
                 format!(
-                    "no reply from {missing}, but from {}: use --id",
+                    "no reply from {missing}, but from {}: name that one",
                     words::ids(others)
                 )
             }));
@@ -71,7 +71,7 @@ impl Connection {
                 Some(IdQueryOutcome::One(id)) => return Ok(id),
                 Some(IdQueryOutcome::Garbled) => {
                     let text =
-                        "several motors answer, or there is noise: use --id, or see motorlink scan";
+                        "several motors answer, or there is noise: name one, or see motorlink scan";
                     return Err(Failure::NotDone(text.to_owned()));
                 }
                 // A stop of motors that an earlier program left running cancels it, and one without power may get it.
