@@ -100,7 +100,7 @@ fn driving_is_logged_when_it_begins_and_not_at_each_new_setpoint() {
 #[test]
 fn a_stop_is_logged_from_its_beginning_to_its_end() {
     let began = text(&Notice::StopBegan(StopReason::Operator));
-    assert_eq!(began, "Stopping. Stop all motors was pressed.");
+    assert_eq!(began, "Stopping. STOP was pressed.");
     let report = |motors| {
         Notice::StopEnded(StopReport {
             reason: StopReason::Operator,

@@ -405,7 +405,7 @@ pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> Notice
 /// Why all motors are stopped, in the words of the dialog.
 pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
     match reason {
-        StopReason::Operator => tr!("Stop all motors was pressed."),
+        StopReason::Operator => tr!("STOP was pressed."),
         StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
         StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
         StopReason::PageSilent => tr!("The page did not respond for 1 s."),

@@ -33,7 +33,7 @@ const FILE_MAX: usize = 64 << 20;
 const FOLDER_MAX: u64 = 2 << 30;
 
 /// How the name of a file begins and ends. Its number is between, so that names sort by age though a clock is wrong.
-/// No other file of ours begins so.
+/// An exported packet log begins so too, and ends in `.csv`.
 const NAME: (&str, &str) = ("motorlink-log-", ".mcap");
 
 /// Session files that are being written.

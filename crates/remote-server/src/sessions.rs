@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn only_sessions_in_the_folder_itself_are_named() {
-        assert!(is_name("motorlink-session-000012-20261127-193300.mcap"));
+        assert!(is_name("motorlink-log-000012-20261127-193300.mcap"));
         for name in [
             "token",
             ".mcap",

@@ -1,4 +1,4 @@
-//! The encrypted connection: the certificate, and the name of the server in it.
+//! TLS: makes, reads and checks the certificate.
 
 use std::{
     fmt,
@@ -46,7 +46,7 @@ impl fmt::Display for NoTls {
         f.write_str(match self {
             Self::Certificate => "not a certificate in PEM form",
             Self::Key => "not a private key in PEM form that can be used",
-            Self::OtherKey => "the private key is not that of the certificate",
+            Self::OtherKey => "the private key does not match the certificate",
             Self::NotMade => "no certificate can be made for these names",
         })
     }

@@ -45,7 +45,7 @@ fn drive(number: u8) -> Command {
     }
 }
 
-const ABORTS: [Abort; 15] = [
+const ABORTS: [Abort; 16] = [
     abort(
         "stop all",
         |it| it.command(Command::StopAll(StopReason::Operator)),

@@ -21,7 +21,7 @@ pub(super) fn of_control(control: WhoDrives, viewer: &str) -> String {
 
 /// What the browser does not allow without encryption, and what to do.
 pub(super) fn without_encryption() -> &'static str {
-    tr!("No gamepad, saved session or installation here. Use --certificate or ssh -L.")
+    tr!("Gamepad, saved session and installation need encryption. Use --certificate or ssh -L.")
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ fn button(control: WhoDrives) -> String {
 fn of_server() -> String {
     [
         "<div class=of-server><a href=sessions target=_blank>",
-        tr!("Session"),
+        tr!("Sessions"),
         "</a><details><summary>",
         tr!("Not encrypted"),
         "</summary><p>",
@@ -49,7 +49,7 @@ fn of_server() -> String {
     .concat()
 }
 
-/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`, link `Session`.
+/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`, link `Sessions`.
 #[component]
 pub(crate) fn RemoteGroup(page: Page) -> impl IntoView {
     let state = RwSignal::new(String::new());

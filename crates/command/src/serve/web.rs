@@ -122,9 +122,9 @@ fn links(origin: &str, token: &Token, file: Option<&Path>, is_encrypted: bool) -
     }
     let link = format!("{origin}/?token={token}");
     let warning = if is_encrypted {
-        "Who has this link can drive the motors."
+        "Anyone with this link can drive the motors."
     } else {
-        "Who has this link can drive the motors. The connection is not encrypted: use it in a network that you trust, or use \
+        "Anyone with this link can drive the motors. The connection is not encrypted: use it in a network that you trust, or use \
          --certificate."
     };
     let mut lines = vec![format!("Open {link}"), warning.to_owned()];

@@ -1,4 +1,4 @@
-//! What pages ask for: what the lease allows goes to the driver.
+//! Checks what pages ask for against the lease, and gives it to the driver.
 
 use motorlink_bus::{COMMAND_AGE_MAX, Command, CommandKind, StopReason};
 use motorlink_messages::{Notice, runs::ToRun};
