@@ -73,7 +73,7 @@ fn a_drive_after_a_killed_one_drives_what_it_names_and_for_its_whole_time() {
     // Several answer, and none is named.
     let said = bench.run("drive velocity 50 --secs 1");
     assert_eq!(said.code, Some(1), "{said:?}");
-    assert!(said.err.contains("name that one"), "{said:?}");
+    assert!(said.err.contains("name one"), "{said:?}");
     assert!(bench.stands());
 }
 
