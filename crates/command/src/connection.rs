@@ -31,14 +31,10 @@ pub struct Connection {
     recording: RefCell<Option<Recording>>,
     log: RefCell<Option<Log>>,
     listener: Option<RefCell<Listener>>,
-    is_interrupted: Option<Interrupt>,
 }
 
 /// Takes what happens on a line in place of the terminal.
 pub type Listener = Box<dyn FnMut(Heard<'_>) + Send>;
-
-/// Whether the program no longer waits for what it has begun.
-pub type Interrupt = Box<dyn Fn() -> bool + Send>;
 
 /// What a listener takes.
 pub enum Heard<'a> {
@@ -81,18 +77,12 @@ impl Connection {
             recording: RefCell::new(None),
             log: RefCell::new(None),
             listener: None,
-            is_interrupted: None,
         })
     }
 
     /// From now on this listener takes what happens, and nothing is printed.
     pub fn listen(&mut self, listener: Listener) {
         self.listener = Some(RefCell::new(listener));
-    }
-
-    /// From now on, what waits for the line asks this, and ends with [`Failure::Interrupted`]. It is asked often.
-    pub fn interrupt_by(&mut self, is_interrupted: Interrupt) {
-        self.is_interrupted = Some(is_interrupted);
     }
 
     /// Records the line to this file until the end, or to none.
@@ -158,7 +148,7 @@ impl Connection {
     /// The next entry, if one comes within a moment. Prints what a person should know.
     ///
     /// # Errors
-    /// [`Failure::Interrupted`] once the driver has ended, or if the program waits no longer.
+    /// [`Failure::Interrupted`] once the driver has ended.
     pub fn next(&self) -> Result<Happened, Failure> {
         self.next_within(STEP)
     }
@@ -168,9 +158,6 @@ impl Connection {
     /// # Errors
     /// As [`Connection::next`].
     pub fn next_within(&self, within: Duration) -> Result<Happened, Failure> {
-        if self.is_interrupted.as_ref().is_some_and(|asked| asked()) {
-            return Err(Failure::Interrupted);
-        }
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
                 if let Some(text) = words::of_entry(&entry) {

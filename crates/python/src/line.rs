@@ -14,9 +14,10 @@ use pyo3::prelude::*;
 
 use crate::{
     driving::{drive, stop},
+    errors::exception,
     heard::News,
     reading::Reading,
-    shared::{Interrupt, STEP, Shared, locked},
+    shared::{STEP, Shared, locked},
     study::{Asked, Outcome, begin},
     values::{Settings, bus_settings, id, invalid, setpoint, signed},
 };
@@ -57,9 +58,7 @@ impl Line {
         let virtual_ids = virtual_motors
             .map(|ids| ids.into_iter().map(id).collect::<PyResult<Vec<_>>>())
             .transpose()?;
-        let interrupt = Interrupt::new();
-        let asked = interrupt.clone();
-        let opened = py.detach(move || -> Result<(Connection, Arc<Mutex<News>>), Failure> {
+        let opened = py.detach(|| -> Result<(Connection, Arc<Mutex<News>>), Failure> {
             let mut connection = Connection::open_with(&global, &Ender::default(), |options| {
                 options.settings = settings;
                 options.tells_traffic = true;
@@ -72,16 +71,14 @@ impl Line {
             let (model, now) = (connection.driver.model(), connection.status()?.now);
             let news = Arc::new(Mutex::new(News::new(model, now)));
             let told = Arc::clone(&news);
-            connection.interrupt_by(Box::new(move || asked.is_raised()));
             connection.listen(Box::new(move |heard| locked(&told).take(heard)));
             if !connection.motors.is_empty() {
                 connection.wait_for_motors()?;
             }
             Ok((connection, news))
         });
-        let (connection, news) = opened.map_err(|failure| interrupt.exception(&failure))?;
+        let (connection, news) = opened.map_err(|failure| exception(&failure))?;
         let line = Shared {
-            interrupt,
             commander: connection.driver.commander(),
             connection: Arc::new(Mutex::new(Some(connection))),
             news,
@@ -177,11 +174,7 @@ impl Line {
     /// Asks every ID. Returns those that answer.
     fn scan(&self, py: Python<'_>) -> PyResult<Vec<u16>> {
         self.0.on(py, |connection| {
-            let scanned = scan(connection);
-            if matches!(scanned, Err(Failure::Interrupted)) {
-                connection.driver.command(Command::CancelJob);
-            }
-            let found = scanned?.found;
+            let found = scan(connection)?.found;
             // Bytes would be a bytes object in Python.
             Ok(found.into_iter().map(|id| id.get().into()).collect())
         })

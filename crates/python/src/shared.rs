@@ -2,8 +2,8 @@
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError, Weak},
-    thread::{self, ThreadId},
-    time::{Duration, Instant},
+    thread,
+    time::Duration,
 };
 
 use motorlink_command::library::{Connection, Failure, Happened};
@@ -28,56 +28,11 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// An open line, and what the program has not taken yet.
 pub struct Shared {
-    pub interrupt: Interrupt,
     /// `None` once it is closed.
     pub connection: Arc<Mutex<Option<Connection>>>,
     /// Stops motors while another call has the connection.
     pub commander: Commander,
     pub news: Arc<Mutex<News>>,
-}
-
-/// Ctrl-C, while a call waits for the line.
-#[derive(Clone)]
-pub struct Interrupt {
-    raised: Arc<Mutex<Option<PyErr>>>,
-    looked: Arc<Mutex<Instant>>,
-    thread: ThreadId,
-}
-
-impl Interrupt {
-    /// Only the thread that has opened the line takes the lock of the interpreter while it has the line: another one could
-    /// wait for both.
-    pub fn new() -> Self {
-        Self {
-            raised: Arc::default(),
-            looked: Arc::new(Mutex::new(Instant::now())),
-            thread: thread::current().id(),
-        }
-    }
-
-    /// Whether a handler of a signal has raised an exception.
-    pub fn is_raised(&self) -> bool {
-        if thread::current().id() != self.thread {
-            return false;
-        }
-        let mut looked = locked(&self.looked);
-        if looked.elapsed() < STEP {
-            return false;
-        }
-        *looked = Instant::now();
-        let raised = Python::attach(|py| py.check_signals().err());
-        let is_raised = raised.is_some();
-        if is_raised {
-            *locked(&self.raised) = raised;
-        }
-        is_raised
-    }
-
-    /// What was raised, or else the exception of the failure.
-    pub fn exception(&self, failure: &Failure) -> PyErr {
-        let raised = locked(&self.raised).take();
-        raised.unwrap_or_else(|| exception(failure))
-    }
 }
 
 impl Shared {
@@ -99,7 +54,7 @@ impl Shared {
             Some(connection) => work(connection),
             None => Err(Failure::Interrupted),
         });
-        done.map_err(|failure| self.interrupt.exception(&failure))
+        done.map_err(|failure| exception(&failure))
     }
 
     /// Takes the entries that are there, and waits this long for the first. The driver learns that the program is alive.
