@@ -1,7 +1,6 @@
 //! The files of the page.
 
 use std::{
-    borrow::Cow,
     collections::BTreeMap,
     fs, io,
     path::{Path, PathBuf},
@@ -19,15 +18,24 @@ use axum::{
     },
     response::{IntoResponse, Response},
 };
-use rust_embed::RustEmbed;
 
 use crate::sessions::SESSIONS;
 
-/// The page that was there when this program was built. A debug build reads the folder.
-#[derive(RustEmbed)]
+/// The page that was there when this program was built.
+#[cfg(not(debug_assertions))]
+#[derive(rust_embed::RustEmbed)]
 #[folder = "../../dist"]
 #[allow_missing = true]
 struct Built;
+
+/// A debug build reads the folder at its start: the tests compile while the page is built.
+const fn debug_folder() -> Option<&'static str> {
+    if cfg!(debug_assertions) {
+        Some(concat!(env!("CARGO_MANIFEST_DIR"), "/../../dist"))
+    } else {
+        None
+    }
+}
 
 /// The one of the page would keep the page for visits without the server, and the link with the token would not reach the
 /// server. This one removes what an earlier visit has left.
@@ -55,6 +63,7 @@ impl Site {
     /// # Errors
     /// There is no page, or it is of a version before remote operation.
     pub fn open(folder: Option<PathBuf>) -> io::Result<Self> {
+        let folder = folder.or_else(|| debug_folder().map(PathBuf::from));
         let files = folder.map(|folder| files_in(&folder)).transpose()?;
         let files = files.map(Arc::new);
         let index = file(files.as_deref(), "index.html");
@@ -185,11 +194,21 @@ fn files_in(folder: &Path) -> io::Result<BTreeMap<String, Bytes>> {
 fn file(files: Option<&BTreeMap<String, Bytes>>, name: &str) -> Option<Bytes> {
     match files {
         Some(files) => files.get(name).cloned(),
-        None => match Built::get(name)?.data {
-            Cow::Borrowed(content) => Some(Bytes::from_static(content)),
-            Cow::Owned(content) => Some(content.into()),
-        },
+        None => built(name),
     }
+}
+
+#[cfg(not(debug_assertions))]
+fn built(name: &str) -> Option<Bytes> {
+    Some(match Built::get(name)?.data {
+        std::borrow::Cow::Borrowed(content) => Bytes::from_static(content),
+        std::borrow::Cow::Owned(content) => content.into(),
+    })
+}
+
+#[cfg(debug_assertions)]
+const fn built(_name: &str) -> Option<Bytes> {
+    None
 }
 
 /// The content of the `meta` element with this name.
