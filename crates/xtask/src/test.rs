@@ -93,7 +93,8 @@ pub static SUITE: Suite = Suite {
             name: "python-package",
             about: "the Python package: its wheel, its tests on virtual motors, and its examples",
             needs: &[],
-            beside: Some("end-to-end"),
+            // Both wait for virtual motors more than they compute.
+            beside: Some("native"),
             on_request: false,
             run: python::test_package,
         },
