@@ -24,6 +24,9 @@ const WASM: [&str; 6] = [
     "motorlink-worker",
 ];
 
+/// With the tests of the page in a browser.
+const PAGE_TESTS: [&str; 2] = ["--features", "motorlink/page-tests"];
+
 /// Cargo at the top of the workspace.
 pub fn command(workspace: &Workspace, args: &[&str]) -> Command {
     let mut cargo = process::cargo();
@@ -43,4 +46,9 @@ pub fn wasm(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<Co
         workspace,
         &[&[subcommand], &WASM[..], args].concat(),
     ))
+}
+
+/// Cargo on the page and the worker, with their tests.
+pub fn wasm_tests(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<Command> {
+    wasm(workspace, subcommand, &[&PAGE_TESTS[..], args].concat())
 }

@@ -103,7 +103,7 @@ pub static SUITE: Suite = Suite {
             run: |workspace| {
                 let targets = ["--lib", "--bins", "--tests"];
                 let args = [&targets[..], &DENY_WARNINGS].concat();
-                process::run(&mut cargo::wasm(workspace, "clippy", &args)?)
+                process::run(&mut cargo::wasm_tests(workspace, "clippy", &args)?)
             },
         },
         Step {

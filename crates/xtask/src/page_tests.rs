@@ -24,11 +24,11 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     let browser = browser::ensure()?;
     // Not the examples in the documentation: those of a page cannot run alone.
     let targets = ["--lib", "--bins", "--tests"];
-    let mut build = cargo::wasm(workspace, "test", &targets)?;
+    let mut build = cargo::wasm_tests(workspace, "test", &targets)?;
     process::run(build.arg("--no-run"))?;
 
     let test = |args: &[&str]| -> Result<Command> {
-        let mut command = cargo::wasm(workspace, "test", args)?;
+        let mut command = cargo::wasm_tests(workspace, "test", args)?;
         command
             .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", &runner)
             // In seconds, for all tests of a program together; the runner's own 20 are too few.

@@ -25,7 +25,12 @@ const FLAGS: [&str; 2] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS"];
 /// The cargo that started this program.
 pub fn cargo() -> Command {
     let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(program);
+    without_our_package(Command::new(program))
+}
+
+/// A program that calls cargo, without the variables that name the package of this program: build scripts that read them
+/// would run again, and cargo would compile again what depends on them.
+pub fn without_our_package(mut command: Command) -> Command {
     for (name, _) in env::vars_os() {
         let text = name.to_string_lossy();
         let ours = OF_OUR_PACKAGE.iter().any(|prefix| text.starts_with(prefix));

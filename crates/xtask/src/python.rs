@@ -63,7 +63,7 @@ pub fn test_package(workspace: &Workspace) -> Result<()> {
     let folder = root.join("target/python-package");
     // An earlier wheel is not installed instead.
     let _ = fs::remove_dir_all(&folder);
-    let mut build = Command::new(&python);
+    let mut build = process::without_our_package(Command::new(&python));
     build
         .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
         .arg("--target-dir")

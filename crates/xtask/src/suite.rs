@@ -33,6 +33,11 @@ pub struct Step {
     pub run: fn(&Workspace) -> Result<()>,
 }
 
+/// The niceness of a step beside another one: its tests get a tenth of the processors at least.
+const FIRST_NICE: u8 = 10;
+/// That of a step beside it in turn is so much higher: what it compiles delays no test.
+const LOWER_BY: u8 = 9;
+
 /// Steps in the order in which they run.
 #[derive(Debug)]
 pub struct Suite {
@@ -148,7 +153,8 @@ impl Suite {
                 continue;
             }
             println!("\n=== {}: {}", step.name, step.about);
-            ended.extend(self.run_with_others(selected, step, &|| (step.run)(workspace)));
+            let run = || (step.run)(workspace);
+            ended.extend(self.run_with_others(selected, step, FIRST_NICE, &run));
             if ended.iter().any(|ended| ended.result.is_err()) {
                 break;
             }
@@ -172,6 +178,7 @@ impl Suite {
         &self,
         selected: &[&Step],
         step: &Step,
+        nice: u8,
         run: &dyn Fn() -> Result<()>,
     ) -> Vec<Ended> {
         let others = || -> Vec<Ended> {
@@ -179,7 +186,8 @@ impl Suite {
                 .iter()
                 .filter(|other| other.beside == Some(step.name));
             let run = |other: &&Step| {
-                self.run_with_others(selected, other, &|| self.run_captured(other.name))
+                let run = || self.run_captured(other.name, nice);
+                self.run_with_others(selected, other, nice + LOWER_BY, &run)
             };
             beside.flat_map(run).collect()
         };
@@ -193,9 +201,9 @@ impl Suite {
     }
 
     /// Runs a step at low priority, and prints what it printed once it has ended.
-    fn run_captured(&self, name: &str) -> Result<()> {
+    fn run_captured(&self, name: &str, nice: u8) -> Result<()> {
         let program = env::current_exe().context("no program to run beside this one")?;
-        process::run_captured(low_priority(program).args([self.name, "--only", name]))
+        process::run_captured(low_priority(program, nice).args([self.name, "--only", name]))
     }
 }
 
@@ -215,12 +223,12 @@ pub fn idle_program() -> Result<Command> {
 }
 
 /// A program that gets little processor time while others want it.
-fn low_priority(program: PathBuf) -> Command {
+fn low_priority(program: PathBuf, nice: u8) -> Command {
     if cfg!(windows) {
         return Command::new(program);
     }
     let mut command = Command::new("nice");
-    command.args(["-n", "19"]).arg(program);
+    command.arg("-n").arg(nice.to_string()).arg(program);
     command
 }
 
