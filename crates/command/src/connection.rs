@@ -3,6 +3,10 @@
 use std::{
     cell::RefCell,
     path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -31,6 +35,7 @@ pub struct Connection {
     recording: RefCell<Option<Recording>>,
     log: RefCell<Option<Log>>,
     listener: Option<RefCell<Listener>>,
+    is_interrupted: Arc<AtomicBool>,
 }
 
 /// Takes what happens on a line in place of the terminal.
@@ -77,7 +82,13 @@ impl Connection {
             recording: RefCell::new(None),
             log: RefCell::new(None),
             listener: None,
+            is_interrupted: Arc::default(),
         })
+    }
+
+    /// While this is true, whatever waits for the line ends with [`Failure::Interrupted`].
+    pub fn interrupt_by(&mut self, is_interrupted: Arc<AtomicBool>) {
+        self.is_interrupted = is_interrupted;
     }
 
     /// From now on this listener takes what happens, and nothing is printed.
@@ -148,7 +159,7 @@ impl Connection {
     /// The next entry, if one comes within a moment. Prints what a person should know.
     ///
     /// # Errors
-    /// [`Failure::Interrupted`] once the driver has ended.
+    /// [`Failure::Interrupted`] once the driver has ended, or where another thread has interrupted the wait.
     pub fn next(&self) -> Result<Happened, Failure> {
         self.next_within(STEP)
     }
@@ -158,6 +169,9 @@ impl Connection {
     /// # Errors
     /// As [`Connection::next`].
     pub fn next_within(&self, within: Duration) -> Result<Happened, Failure> {
+        if self.is_interrupted.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
                 if let Some(text) = words::of_entry(&entry) {

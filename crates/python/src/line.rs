@@ -14,10 +14,9 @@ use pyo3::prelude::*;
 
 use crate::{
     driving::{drive, stop},
-    errors::exception,
     heard::News,
     reading::Reading,
-    shared::{STEP, Shared, locked},
+    shared::{Interrupt, STEP, Shared, locked},
     study::{Asked, Outcome, begin},
     values::{Settings, bus_settings, id, invalid, setpoint, signed},
 };
@@ -58,7 +57,9 @@ impl Line {
         let virtual_ids = virtual_motors
             .map(|ids| ids.into_iter().map(id).collect::<PyResult<Vec<_>>>())
             .transpose()?;
-        let opened = py.detach(|| -> Result<(Connection, Arc<Mutex<News>>), Failure> {
+        let interrupt = Interrupt::default();
+        let raised = Arc::clone(&interrupt.0);
+        let opened = interrupt.on_thread(py, move || {
             let mut connection = Connection::open_with(&global, &Ender::default(), |options| {
                 options.settings = settings;
                 options.tells_traffic = true;
@@ -71,14 +72,16 @@ impl Line {
             let (model, now) = (connection.driver.model(), connection.status()?.now);
             let news = Arc::new(Mutex::new(News::new(model, now)));
             let told = Arc::clone(&news);
+            connection.interrupt_by(raised);
             connection.listen(Box::new(move |heard| locked(&told).take(heard)));
             if !connection.motors.is_empty() {
                 connection.wait_for_motors()?;
             }
             Ok((connection, news))
         });
-        let (connection, news) = opened.map_err(|failure| exception(&failure))?;
+        let (connection, news) = opened?;
         let line = Shared {
+            interrupt,
             commander: connection.driver.commander(),
             connection: Arc::new(Mutex::new(Some(connection))),
             news,
@@ -99,7 +102,7 @@ impl Line {
     /// Watches a motor, and waits for its first reply.
     fn watch(&self, py: Python<'_>, motor: (u8, bool)) -> PyResult<()> {
         let motor = signed(motor)?;
-        self.0.on_mut(py, |connection| {
+        self.0.wait_on(py, |connection| {
             connection.driver.command(Command::Watch(motor.id));
             let others = std::mem::replace(&mut connection.motors, vec![motor]);
             let waited = connection.wait_for_motors();
@@ -116,7 +119,7 @@ impl Line {
 
     /// The only motor that answers.
     fn only_motor(&self, py: Python<'_>) -> PyResult<u8> {
-        self.0.on_mut(py, |connection| {
+        self.0.wait_on(py, |connection| {
             let others = std::mem::take(&mut connection.motors);
             let waited = connection.wait_for_motors();
             let only = std::mem::replace(&mut connection.motors, others);
@@ -173,8 +176,10 @@ impl Line {
 
     /// Asks every ID. Returns those that answer.
     fn scan(&self, py: Python<'_>) -> PyResult<Vec<u16>> {
-        self.0.on(py, |connection| {
-            let found = scan(connection)?.found;
+        self.0.wait_on(py, |connection| {
+            let scanned = scan(connection);
+            cancel_if_interrupted(connection, &scanned);
+            let found = scanned?.found;
             // Bytes would be a bytes object in Python.
             Ok(found.into_iter().map(|id| id.get().into()).collect())
         })
@@ -183,10 +188,12 @@ impl Line {
     /// Gives the only motor on the bus another ID, and verifies it. Returns the ID before.
     fn set_id(&self, py: Python<'_>, new: u8) -> PyResult<u8> {
         let new = AssignableId::new(id(new)?).map_err(invalid)?;
-        self.0.on_mut(py, |connection| {
+        self.0.wait_on(py, |connection| {
             let from = only_motor(connection)?;
             if from != new.id() {
-                change_id(connection, from, new)?;
+                let changed = change_id(connection, from, new);
+                cancel_if_interrupted(connection, &changed);
+                changed?;
             }
             connection.motors.retain(|motor| motor.id != from);
             Ok(from.get())
@@ -305,7 +312,10 @@ impl Line {
     /// Stops the motors and closes the line. Returns the motors of the last stop and whether each one stands, the motors
     /// that may turn, and what else went wrong.
     fn close(&self, py: Python<'_>) -> (Vec<(u8, bool)>, Vec<u16>, Option<String>) {
+        // A wait that has the line ends.
+        self.0.interrupt.raise();
         let connection = py.detach(|| locked(&self.0.connection).take());
+        self.0.interrupt.clear();
         let Some(connection) = connection else {
             return (Vec::new(), Vec::new(), None);
         };
@@ -321,5 +331,12 @@ impl Line {
         let motors = motors.iter().map(|motor| (motor.id.get(), motor.confirmed));
         let may_turn = may_turn.into_iter().map(|id| id.get().into());
         (motors.collect(), may_turn.collect(), wrong)
+    }
+}
+
+/// Nobody waits for the job any more.
+fn cancel_if_interrupted<T>(connection: &Connection, done: &Result<T, Failure>) {
+    if matches!(done, Err(Failure::Interrupted)) {
+        connection.driver.command(Command::CancelJob);
     }
 }

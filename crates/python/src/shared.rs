@@ -1,7 +1,10 @@
 //! The line as calls of several threads share it.
 
 use std::{
-    sync::{Arc, Mutex, MutexGuard, PoisonError, Weak},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError, Weak,
+        atomic::{AtomicBool, Ordering},
+    },
     thread,
     time::Duration,
 };
@@ -33,27 +36,77 @@ pub struct Shared {
     /// Stops motors while another call has the connection.
     pub commander: Commander,
     pub news: Arc<Mutex<News>>,
+    pub interrupt: Interrupt,
+}
+
+/// Ends the waits for a line.
+#[derive(Clone, Default)]
+pub struct Interrupt(pub Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Ends the work that has the line now.
+    pub fn raise(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    pub fn clear(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    /// Does work that waits for the line, and ends it by Ctrl-C. It has a thread of its own: the handler of a signal may
+    /// close the line, and waits there until the work has left it.
+    pub fn on_thread<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce() -> Result<T, Failure> + Send,
+    ) -> PyResult<T> {
+        thread::scope(|scope| {
+            let caller = thread::current();
+            let working = scope.spawn(move || {
+                let done = work();
+                caller.unpark();
+                done
+            });
+            let mut raised = None;
+            while !working.is_finished() {
+                py.detach(|| thread::park_timeout(STEP));
+                if raised.is_none() {
+                    raised = py.check_signals().err();
+                    if raised.is_some() {
+                        self.raise();
+                    }
+                }
+            }
+            if raised.is_some() {
+                self.clear();
+            }
+            let done = working.join();
+            let done = done.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            raised.map_or_else(|| done.map_err(|failure| exception(&failure)), Err)
+        })
+    }
 }
 
 impl Shared {
+    /// Does something on the line that may take long. Ctrl-C ends it.
+    pub fn wait_on<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Connection) -> Result<T, Failure> + Send,
+    ) -> PyResult<T> {
+        let connection = &self.connection;
+        self.interrupt
+            .on_thread(py, || on_connection(connection, work))
+    }
+
     /// Does something on the line, without the lock of the interpreter.
     pub fn on<T: Send>(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&Connection) -> Result<T, Failure> + Send,
     ) -> PyResult<T> {
-        self.on_mut(py, |connection| work(connection))
-    }
-
-    pub fn on_mut<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut Connection) -> Result<T, Failure> + Send,
-    ) -> PyResult<T> {
-        let done = py.detach(|| match &mut *locked(&self.connection) {
-            Some(connection) => work(connection),
-            None => Err(Failure::Interrupted),
-        });
+        let work = |connection: &mut Connection| work(connection);
+        let done = py.detach(|| on_connection(&self.connection, work));
         done.map_err(|failure| exception(&failure))
     }
 
@@ -102,6 +155,16 @@ impl Drop for Shared {
     fn drop(&mut self) {
         let connection = locked(&self.connection).take();
         drop(connection);
+    }
+}
+
+fn on_connection<T>(
+    connection: &Mutex<Option<Connection>>,
+    work: impl FnOnce(&mut Connection) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    match &mut *locked(connection) {
+        Some(connection) => work(connection),
+        None => Err(Failure::Interrupted),
     }
 }
 

@@ -317,6 +317,49 @@ class OnASerialPort(unittest.TestCase):
                 child.stdout.close()
                 self.assertLess(abs(motors.rpm()), 5, name)
 
+    def test_ctrl_c_ends_a_long_wait(self):
+        waits = {"scan": "bus.scan()", "first reply": "bus.motor(9)"}
+        for name, wait in waits.items():
+            program = (
+                "import motorlink, sys\n"
+                "bus = motorlink.open(sys.argv[1], timeout=30)\n"
+                "print('waits', flush=True)\n"
+                "try:\n"
+                f"    {wait}\n"
+                "except KeyboardInterrupt:\n"
+                "    print(bus.motor(1).reading is not None, flush=True)\n"
+            )
+            with self.subTest(name), Motors() as motors:
+                command = [sys.executable, "-c", program, motors.port]
+                child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+                self.assertEqual(child.stdout.readline(), "waits\n")
+                time.sleep(0.5)
+                child.send_signal(signal.SIGINT)
+                asked = time.monotonic()
+                self.assertEqual(child.stdout.readline(), "True\n", name)
+                self.assertLess(time.monotonic() - asked, 3, name)
+                self.assertEqual(child.wait(10), 0)
+                child.stdout.close()
+
+    def test_a_signal_ends_a_long_wait_and_the_program(self):
+        """Its handler closes the line for which the program waits."""
+        program = (
+            "import motorlink, sys\n"
+            "bus = motorlink.open(sys.argv[1], timeout=30)\n"
+            "bus.motor(1).drive(rpm=100)\n"
+            "print('waits', flush=True)\n"
+            "bus.motor(9)\n"
+        )
+        with Motors() as motors:
+            command = [sys.executable, "-c", program, motors.port]
+            child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+            self.assertEqual(child.stdout.readline(), "waits\n")
+            time.sleep(0.5)
+            child.send_signal(signal.SIGTERM)
+            self.assertEqual(child.wait(5), -signal.SIGTERM)
+            child.stdout.close()
+            self.assertLess(abs(motors.rpm()), 5)
+
     def test_a_killed_program_is_stopped_by_the_next_one(self):
         program = "import motorlink, sys\nbus = motorlink.open(sys.argv[1])\nbus.motor(1).drive(rpm=100)\nbus.sleep(60)\n"
         with Motors() as motors:
