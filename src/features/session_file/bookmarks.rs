@@ -107,11 +107,12 @@ impl Bookmarks {
 
     fn add(&mut self, bookmark: Bookmark) {
         self.keys += 1;
-        self.entries.push(Entry {
-            key: self.keys,
-            bookmark,
-        });
-        self.entries.sort_by_key(|entry| entry.bookmark.after_us);
+        let after_us = bookmark.after_us;
+        let place = self
+            .entries
+            .partition_point(|entry| entry.bookmark.after_us <= after_us);
+        let key = self.keys;
+        self.entries.insert(place, Entry { key, bookmark });
         self.forget_warning();
     }
 

@@ -65,8 +65,10 @@ impl Row<'_> {
 
 fn in_order<'a>(marks: &'a [SessionMark], entries: &'a [Entry]) -> Vec<Row<'a>> {
     let mut rows: Vec<_> = marks.iter().map(Row::Event).collect();
-    rows.extend(entries.iter().map(Row::Bookmark));
-    rows.sort_by_key(Row::after_us);
+    for entry in entries {
+        let place = rows.partition_point(|row| row.after_us() <= entry.bookmark.after_us);
+        rows.insert(place, Row::Bookmark(entry));
+    }
     rows
 }
 

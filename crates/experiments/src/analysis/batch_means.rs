@@ -50,13 +50,14 @@ pub(super) fn estimates<const N: usize>(
     for batch in batches(replies)? {
         let influence = fit.influence(&mean(batch).0);
         let share = 1.0 / count(batch);
-        let part = |reply: &Reply<N>| {
+        for reply in batch {
             let turns = slope(reply) * share;
-            (reply.report, influence.map(|it| it * turns))
-        };
-        parts.extend(batch.iter().map(part));
+            let part = (reply.report, influence.map(|it| it * turns));
+            // In the order of the reports.
+            let place = parts.partition_point(|(report, _)| *report <= reply.report);
+            parts.insert(place, part);
+        }
     }
-    parts.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut variances = fit.errors.map(|error| error * error);
     for same in parts.chunk_by(|one, next| one.0.total_cmp(&next.0).is_eq()) {
         for (at, variance) in variances.iter_mut().enumerate() {

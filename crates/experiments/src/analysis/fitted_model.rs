@@ -225,14 +225,13 @@ pub fn step_model(repeats: &[Vec<Point>]) -> Option<FittedModel> {
             })
         })
         .collect();
-    let mut sorted: Vec<Point> = repeats.iter().flatten().copied().collect();
-    sorted.sort_by(|one, other| one.t_s.total_cmp(&other.t_s));
-    let last_s = sorted.last()?.t_s;
-    let tail = sorted.iter().filter(|point| point.t_s >= 0.75 * last_s);
+    let points = || repeats.iter().flatten();
+    let last_s = points().map(|point| point.t_s).max_by(f64::total_cmp)?;
+    let tail = points().filter(|point| point.t_s >= 0.75 * last_s);
     let gain = super::statistics::mean(tail.map(|point| point.value))?;
     let reaches = |part: f64| {
-        let reached = sorted.iter().find(|point| point.value >= part * gain);
-        reached.map(|point| point.t_s)
+        let reached = points().filter(|point| point.value >= part * gain);
+        reached.map(|point| point.t_s).min_by(f64::total_cmp)
     };
     // Where a lag of first order has 28 % and 63 % (Smith, Digital Computer Process Control, 1972).
     let (early_s, late_s) = (reaches(0.283)?, reaches(0.632)?);

@@ -195,9 +195,11 @@ fn fewer(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
         let by_value = |one: &&(f64, f64), other: &&(f64, f64)| one.1.total_cmp(&other.1);
         let least = column.iter().min_by(by_value).copied();
         let greatest = column.iter().max_by(by_value).copied();
-        let mut both: Vec<(f64, f64)> = least.into_iter().chain(greatest).collect();
-        both.sort_by(|one, other| one.0.total_cmp(&other.0));
-        kept.extend(both);
+        let (mut first, mut second) = (least, greatest);
+        if greatest < least {
+            (first, second) = (second, first);
+        }
+        kept.extend(first.into_iter().chain(second));
     }
     kept
 }

@@ -154,10 +154,10 @@ impl Record {
             ..Self::default()
         };
         for sample in &self.samples {
-            let place = motors.iter().position(|(id, _)| *id == sample.id);
-            let place = place.unwrap_or_else(|| {
-                motors.push((sample.id, empty()));
-                motors.len() - 1
+            let place = motors.binary_search_by_key(&sample.id, |(id, _)| *id);
+            let place = place.unwrap_or_else(|place| {
+                motors.insert(place, (sample.id, empty()));
+                place
             });
             if let Some((_, of_motor)) = motors.get_mut(place) {
                 of_motor.samples.push(*sample);
@@ -168,7 +168,6 @@ impl Record {
                 of_motor.sent.push(*sent);
             }
         }
-        motors.sort_by_key(|(id, _)| id.get());
         motors
     }
 

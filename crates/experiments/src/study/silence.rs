@@ -153,7 +153,7 @@ fn speeds_and_currents(
         let mut spans = spans.iter();
         spans.any(|span| STEPS.contains(&span.step) && t_s >= span.from_s && t_s < span.to_s)
     };
-    let (mut speeds, mut amps, mut angles) = (Vec::new(), Vec::new(), Vec::<Point>::new());
+    let (mut speeds, mut amps, mut angles) = (Vec::<Point>::new(), Vec::new(), Vec::<Point>::new());
     for sample in record.samples().iter().filter(|sample| sample.id == motor) {
         let t_s = time(sample.at);
         match sample.degrees {
@@ -169,7 +169,7 @@ fn speeds_and_currents(
             }
         }
     }
-    speeds.extend(angles.iter().filter_map(|point| {
+    let turned = angles.iter().filter_map(|point| {
         let apart = |before: &&Point| point.t_s - before.t_s >= ANGLES_S.0;
         let before = angles.iter().rev().find(apart)?;
         let seconds = point.t_s - before.t_s;
@@ -177,7 +177,10 @@ fn speeds_and_currents(
         let rpm = degrees.abs() / seconds / DEG_S_PER_RPM;
         let t_s = f64::midpoint(point.t_s, before.t_s);
         (seconds <= ANGLES_S.1).then_some(Point::new(t_s, rpm))
-    }));
-    speeds.sort_by(|one, other| one.t_s.total_cmp(&other.t_s));
+    });
+    for point in turned {
+        let place = speeds.partition_point(|speed| speed.t_s <= point.t_s);
+        speeds.insert(place, point);
+    }
     (speeds, amps)
 }

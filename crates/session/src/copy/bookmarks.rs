@@ -15,14 +15,16 @@ pub const BOOKMARK_TEXT_MAX: usize = 1_000;
 
 /// In the order of time, within the bounds.
 pub(super) fn sorted(bookmarks: &[Bookmark]) -> Vec<Bookmark> {
-    let mut sorted: Vec<_> = bookmarks.iter().take(BOOKMARKS_MAX).cloned().collect();
-    for bookmark in &mut sorted {
+    let mut sorted: Vec<Bookmark> = Vec::new();
+    for bookmark in bookmarks.iter().take(BOOKMARKS_MAX) {
+        let mut bookmark = bookmark.clone();
         let end = bookmark.text.char_indices().nth(BOOKMARK_TEXT_MAX);
         if let Some((end, _)) = end {
             bookmark.text.truncate(end);
         }
+        let place = sorted.partition_point(|other| other.after_us <= bookmark.after_us);
+        sorted.insert(place, bookmark);
     }
-    sorted.sort_by_key(|bookmark| bookmark.after_us);
     sorted
 }
 
@@ -37,13 +39,17 @@ pub(super) fn with_bookmarks(overview: &Overview, bookmarks: &[Bookmark]) -> Ove
     let room = MARKS_MAX.saturating_sub(bookmarks.len());
     let left_out = others.clone().count().saturating_sub(room);
     let mut marks: Vec<_> = others.take(room).cloned().collect();
-    marks.extend(bookmarks.iter().map(|bookmark| Mark {
-        after: Duration::from_micros(bookmark.after_us),
-        kind: EventKind::Bookmark,
-        error: false,
-        text: bookmark.text.clone(),
-    }));
-    marks.sort_by_key(|mark| mark.after);
+    for bookmark in bookmarks {
+        let after = Duration::from_micros(bookmark.after_us);
+        let place = marks.partition_point(|mark| mark.after <= after);
+        let mark = Mark {
+            after,
+            kind: EventKind::Bookmark,
+            error: false,
+            text: bookmark.text.clone(),
+        };
+        marks.insert(place, mark);
+    }
     copy.set_marks(marks, left_out as u64);
     copy
 }

@@ -21,6 +21,7 @@ const SILENT_AFTER: Duration = Duration::from_secs(2);
 #[derive(Debug, Default)]
 pub(super) struct OfFrames {
     samples: LineSamples,
+    /// In the order of their IDs, wherever the replay has begun to read.
     motors: Vec<Motor>,
     is_connected: bool,
 }
@@ -71,10 +72,12 @@ impl OfFrames {
     }
 
     fn motor(&mut self, id: MotorId) -> &mut Motor {
-        let known = self.motors.iter().position(|motor| motor.status.id == id);
-        let place = known.unwrap_or_else(|| {
-            self.motors.push(Motor::new(id));
-            self.motors.len() - 1
+        let known = self
+            .motors
+            .binary_search_by_key(&id, |motor| motor.status.id);
+        let place = known.unwrap_or_else(|place| {
+            self.motors.insert(place, Motor::new(id));
+            place
         });
         #[allow(
             clippy::indexing_slicing,
@@ -91,7 +94,7 @@ impl OfFrames {
 
     /// The state at this time, which is not before the last record.
     pub(super) fn update(&self, now: Instant) -> Update {
-        let mut motors: Vec<MotorStatus> = self
+        let motors: Vec<MotorStatus> = self
             .motors
             .iter()
             .map(|motor| MotorStatus {
@@ -100,8 +103,6 @@ impl OfFrames {
                 ..motor.status
             })
             .collect();
-        // In one order, wherever the replay has begun to read.
-        motors.sort_unstable_by_key(|motor| motor.id);
         let line = LineStatus {
             model: self.samples.model(),
             model_known: true,

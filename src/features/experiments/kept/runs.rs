@@ -183,8 +183,10 @@ impl KeptRuns {
         });
         self.list.update(|list| {
             list.retain(|run| !numbers.contains(&run.number));
-            list.extend(new);
-            list.sort_by_key(|run| std::cmp::Reverse(run.number));
+            for run in new {
+                let place = list.partition_point(|other| other.number > run.number);
+                list.insert(place, run);
+            }
         });
         self.changed();
     }

@@ -137,8 +137,11 @@ impl Events {
                 Event::Withdrawn(reason) => why_withdrawn(reason).0,
             }),
         });
-        let mut marks: Vec<Mark> = commands.chain(events).collect();
-        marks.sort_by_key(|mark| mark.at);
+        let mut marks: Vec<Mark> = commands.collect();
+        for event in events {
+            let place = marks.partition_point(|mark| mark.at <= event.at);
+            marks.insert(place, event);
+        }
         marks
     }
 }
