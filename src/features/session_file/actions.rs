@@ -416,6 +416,8 @@ impl SessionFiles {
                     }
                 });
                 self.open.set(Some(Rc::new(*info)));
+                // Unless a port is open.
+                self.player.begin();
             }
             FromSessions::RunsKept(kept) => {
                 self.reading.set(None);

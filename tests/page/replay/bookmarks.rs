@@ -15,7 +15,7 @@ use crate::{
     fake_sessions::{FakeSessions, drop_file, info, until_said},
 };
 
-use super::{begin, end_button, of_replay, opened, post, replaying, update};
+use super::{begin, begun, end_button, of_replay, opened, post, replaying, update};
 
 /// Presses a key in the field for the note.
 fn key_in_note(bench: &Bench, key: &str) {
@@ -204,7 +204,8 @@ async fn bookmarks_of_a_file_are_shown_and_can_be_changed() {
         edit.has_attribute("disabled"),
         "only a replay shows its place"
     );
-    begin(&sessions, &bench).await;
+    assert_eq!(sessions.next().await.0, ToSessions::Replay(ToReplay::Begin));
+    begun(&sessions, &bench).await;
     let copy = saved_copy(&sessions, &bench).await;
     assert_eq!(copy, [bookmark(3_000_000, "from the file")]);
 }

@@ -5,8 +5,6 @@ use super::*;
 #[wasm_bindgen_test]
 async fn no_replay_begins_while_a_port_is_open() {
     let (sessions, bench) = opened("replay-refused").await;
-    bench.click("Replay");
-    assert_eq!(sessions.next().await.0, ToSessions::Replay(ToReplay::Begin));
     // The port opens before the worker has answered.
     bench.report(motor(Mode::Velocity, Activity::Idle), false);
     let connected = || connection(&bench).contains("Connected");
@@ -129,7 +127,7 @@ async fn a_recording_settles_nothing_that_is_said_of_live_motors() {
         text.contains("Standstill not confirmed: motor 0x01")
     };
     bench.until("the notice", is_told).await;
-    begin(&sessions, &bench).await;
+    begun(&sessions, &bench).await;
     for place in [3_000, 3_100, 3_200, 3_300] {
         post(&sessions, update(place, 0, false));
     }

@@ -30,7 +30,7 @@ pub const BEGUN: FromReplay = FromReplay::Begun {
     duration_us: 65_250_000,
 };
 
-/// A page that is not connected, with an open file.
+/// A page that is not connected, with an open file whose replay is about to begin.
 async fn opened(name: &str) -> (FakeSessions, Bench) {
     let sessions = FakeSessions::new(name);
     let bench = Bench::new(name).await;
@@ -42,6 +42,7 @@ async fn opened(name: &str) -> (FakeSessions, Bench) {
     sessions.post(&FromSessions::Opened(Box::new(info())));
     let is_open = || !bench.find_all("button", "Replay").is_empty();
     bench.until("the file", is_open).await;
+    assert_eq!(sessions.next().await.0, ToSessions::Replay(ToReplay::Begin));
     (sessions, bench)
 }
 
@@ -106,13 +107,17 @@ pub fn update(after_ms: u64, rpm: i16, plays: bool) -> FromReplay {
 /// The same, paused at two seconds of the recording.
 async fn replaying(name: &str) -> (FakeSessions, Bench) {
     let (sessions, bench) = opened(name).await;
-    begin(&sessions, &bench).await;
+    begun(&sessions, &bench).await;
     (sessions, bench)
 }
 
 async fn begin(sessions: &FakeSessions, bench: &Bench) {
     bench.click("Replay");
     assert_eq!(sessions.next().await.0, ToSessions::Replay(ToReplay::Begin));
+    begun(sessions, bench).await;
+}
+
+async fn begun(sessions: &FakeSessions, bench: &Bench) {
     post(sessions, BEGUN);
     post(sessions, update(2_000, 120, false));
     let is_shown = || bench.text("status", "Speed").contains("+120");
@@ -207,8 +212,6 @@ async fn rows_of_the_recording_take_the_place_of_the_log_and_the_log_is_back_aft
     };
     bench.until("the live log", entries("3 entries")).await;
     recorder.received().await;
-    bench.click("Replay");
-    sessions.next().await;
     post(&sessions, BEGUN);
     post(&sessions, update(2_000, 120, false));
     let is_on = || !bench.find_all("region", "Replay").is_empty();

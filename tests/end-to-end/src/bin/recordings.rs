@@ -71,7 +71,6 @@ fn measure() -> Result<()> {
         1_000.0,
     );
 
-    page.click("button", "Replay")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
     // What is loaded for the first time is not a part of a jump.
     thread::sleep(Duration::from_secs(2));

@@ -160,7 +160,6 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.upload("Open recording", &saved.path)?;
     page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
-    page.click("button", "Replay")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
     page.click("button", "Add bookmark")?;
     // It ends with Enter, which keeps the note.
