@@ -158,9 +158,14 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     page.click("button", "Release")?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    // The first screen of somebody who has not seen the tour.
+    page.evaluate("localStorage.clear(); true")?;
+    page.reload()?;
     page.upload("Open recording", &saved.path)?;
     page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
     page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
+    let tour = page.evaluate("document.querySelector('.tour').checkVisibility()")?;
+    assert_eq!(tour, false, "it concerns no recording");
     page.click("button", "Add bookmark")?;
     // It ends with Enter, which keeps the note.
     page.fill("textbox", "Note", "gravel starts here")?;
