@@ -27,7 +27,11 @@ use crate::{
         experiments::{panel::ExperimentsPanel, state::Experiments},
         graph::Graph,
         groups::panel::TogetherPanel,
-        help::{HelpDialog, tour::Shown, tour_view::TourNotice},
+        help::{
+            HelpDialog,
+            tour::Shown,
+            tour_view::{TourNotice, shown},
+        },
         ids::{state::IdManager, view::IdManagerPanel},
         install::texts,
         link_doctor::panel::LinkPanel,
@@ -271,7 +275,7 @@ fn settings_panel(features: Features) -> impl IntoView {
 fn notices(features: Features) -> impl IntoView {
     rescue::be_ready(features);
     later_notices::load();
-    let shown = move || features.tour.with(|tour| tour.shown);
+    let shown = move || shown(features.page, features.tour);
     let is_alone = move || is_hidden(features.saved_session) && shown() == Shown::No;
     focus::keep(features.page);
     let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));

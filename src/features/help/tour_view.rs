@@ -14,6 +14,7 @@ use crate::{
         guards::{drive_blocked_by, port_blocked_by, serial_blocked_by, stop_blocked_by},
         local_storage::{remember, remembered},
         page::Page,
+        snapshot::Session,
     },
     ui::{
         listener::on_window,
@@ -35,6 +36,15 @@ const HELP: &str = "tour-help";
 pub(crate) fn remembered_tour() -> Tour {
     let seen = remembered(NAME).is_some();
     Tour::new(if seen { Shown::No } else { Shown::Offered })
+}
+
+/// Whether the tour is shown now. It is not offered during a replay, which needs the place.
+pub(crate) fn shown(page: Page, tour: RwSignal<Tour>) -> Shown {
+    let shown = tour.with(|tour| tour.shown);
+    if shown == Shown::Offered && page.shown.with(Session::is_recording) {
+        return Shown::No;
+    }
+    shown
 }
 
 /// The actions of the tour, which other features carry out.
@@ -63,7 +73,7 @@ pub(crate) fn TourNotice(
     on_action: OnTourAction,
 ) -> impl IntoView {
     attach_handlers(page, tour, on_action);
-    let shown = move || tour.with(|tour| tour.shown);
+    let shown = move || shown(page, tour);
     view! {
         <div
             class="tour"
