@@ -95,7 +95,7 @@ fn look_for_new_version(page: &Page) -> Result<bool> {
     let said = page.evaluate(
         "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
             it.update().then(() => 'looked', String),
-            new Promise((give) => setTimeout(give, 5_000, 'no answer')),
+            new Promise((give) => setTimeout(give, 2_000, 'no answer')),
         ]))",
     )?;
     if said == "no answer" {
