@@ -42,6 +42,14 @@ fn of_notice(notice: &Notice) -> Option<NoticeText> {
                  switch in reach."
             )],
         )),
+        Notice::Missed => Some(NoticeText::new(
+            Topic::Recorder,
+            Tone::Warning,
+            tr!("Entries of the packet log and notices are missing"),
+            &[tr!(
+                "The connection was too slow. Session files that the server writes (--log) have all entries."
+            )],
+        )),
         Notice::LineError { error, count } => Some(of_line_error(*error, *count)),
         Notice::ScanEnded(report) => Some(scan_texts::of_scan(report)),
         Notice::IdChangeEnded { from, to, outcome } => {

@@ -72,6 +72,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             &[tr!("No motor starts until you press Start.")],
         ),
         Notice::NotRemembered
+        | Notice::Missed
         | Notice::LineError { .. }
         | Notice::ScanEnded(_)
         | Notice::IdChangeEnded { .. }

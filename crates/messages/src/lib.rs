@@ -326,6 +326,8 @@ pub enum Notice {
     },
     /// The browser does not keep what is driven: after a crash of the page the motors that were driven are not known.
     NotRemembered,
+    /// The connection to the server was too slow: line events and notices before this one were left out.
+    Missed,
 }
 
 /// An error of the line that the browser reports. The port lives on.

@@ -10,14 +10,11 @@ use axum::{
     extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade},
     response::Response,
 };
-use futures_util::{
-    SinkExt, StreamExt,
-    stream::{SplitSink, SplitStream},
-};
-use motorlink_remote::ViewerId;
+use futures_util::{Sink, SinkExt, StreamExt, stream::SplitStream};
+use motorlink_remote::{FromServer, ViewerId};
 use tokio::{sync::broadcast::error::RecvError, time::timeout};
 
-use crate::viewers::{Outgoing, Viewers};
+use crate::viewers::{Outgoing, Viewers, encoded};
 
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
@@ -137,8 +134,8 @@ async fn receive(
     }
 }
 
-/// Sends what is for a page until it takes nothing. A page that is slow misses updates.
-async fn send(mut sink: SplitSink<WebSocket, Message>, mut outgoing: Outgoing) {
+/// Sends what is for a page until it takes nothing. A page that is slow misses updates, and is told.
+async fn send(mut sink: impl Sink<Message> + Unpin, mut outgoing: Outgoing) {
     loop {
         let bytes: Bytes = tokio::select! {
             // Challenges and control come first.
@@ -149,7 +146,7 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut outgoing: Outgoing) {
             },
             update = outgoing.updates.recv() => match update {
                 Ok(bytes) => bytes,
-                Err(RecvError::Lagged(_)) => continue,
+                Err(RecvError::Lagged(_)) => encoded(&FromServer::Missed),
                 Err(RecvError::Closed) => return,
             },
         };
@@ -157,5 +154,39 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut outgoing: Outgoing) {
         if !matches!(sent, Ok(Ok(()))) {
             return;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{cell::RefCell, convert::Infallible, future::ready};
+
+    use futures_util::sink::unfold;
+    use tokio::{
+        runtime::Builder,
+        sync::{broadcast, mpsc},
+    };
+
+    use super::*;
+
+    #[test]
+    fn a_slow_page_is_told_that_it_has_missed_something() {
+        let (updates, slow) = broadcast::channel(2);
+        for update in 0..5 {
+            updates.send(Bytes::from(vec![update])).unwrap();
+        }
+        drop(updates);
+        let (_page_stays, own) = mpsc::channel(1);
+        let outgoing = Outgoing { own, updates: slow };
+        let sent = RefCell::new(Vec::new());
+        let take = |(), message| {
+            sent.borrow_mut().push(message);
+            ready(Ok::<_, Infallible>(()))
+        };
+        let runtime = Builder::new_current_thread().enable_time().build().unwrap();
+        runtime.block_on(send(unfold((), take), outgoing));
+        let missed = encoded(&FromServer::Missed);
+        let expected = [missed, Bytes::from(vec![3]), Bytes::from(vec![4])];
+        assert_eq!(*sent.borrow(), expected.map(Message::Binary));
     }
 }

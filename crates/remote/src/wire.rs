@@ -65,6 +65,8 @@ pub enum FromServer {
         /// Who asks the operator for control.
         asks: Option<Viewer>,
     },
+    /// The page was too slow: messages before this one were left out.
+    Missed,
 }
 
 /// A page that is connected to the server.

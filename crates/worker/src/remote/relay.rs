@@ -57,6 +57,8 @@ struct Relay {
     group: Option<Group>,
     /// What it shows: a text of [`WhoDrives`].
     state: String,
+    /// Whether the server has left out something since the last update.
+    has_missed: bool,
     /// The zero of the server's clock, in milliseconds since 1970, as the page was told.
     server_origin_ms: Option<f64>,
 }
@@ -91,6 +93,7 @@ pub(crate) fn start() {
         epoch: None,
         sequence: 0,
         ticks: 0,
+        has_missed: false,
         state: WhoDrives::Connecting.text(""),
         server_origin_ms: None,
         clock,
@@ -286,6 +289,7 @@ impl Relay {
             FromServer::Hello { now } => self.compare_clocks(now),
             FromServer::Challenge(challenge) => self.ping(Some(challenge)),
             FromServer::Page(bytes) => self.to_page(bytes),
+            FromServer::Missed => self.has_missed = true,
             FromServer::Traffic(events) => {
                 if let Some(recorder) = &self.recorder {
                     send_encoded(recorder, &events);
@@ -311,11 +315,14 @@ impl Relay {
     }
 
     /// Posts a message of the server to the page, and an update to the recorder too.
-    fn to_page(&self, bytes: Vec<u8>) {
+    fn to_page(&mut self, bytes: Vec<u8>) {
         let bytes = match decode(&bytes) {
             Ok(ToPage::Update(mut update)) => {
                 let drives = self.epoch.is_some();
                 update.connection = for_page(update.connection, drives);
+                if std::mem::take(&mut self.has_missed) {
+                    update.notices.push(Notice::Missed);
+                }
                 let Ok(bytes) = encode(&ToPage::Update(update)) else {
                     return;
                 };
