@@ -288,7 +288,7 @@ impl Relay {
         match message {
             FromServer::Hello { now } => self.compare_clocks(now),
             FromServer::Challenge(challenge) => self.ping(Some(challenge)),
-            FromServer::Page(bytes) => self.to_page(bytes),
+            FromServer::Page(bytes) => self.pass_on(bytes),
             FromServer::Missed => self.has_missed = true,
             FromServer::Traffic(events) => {
                 if let Some(recorder) = &self.recorder {
@@ -315,7 +315,7 @@ impl Relay {
     }
 
     /// Posts a message of the server to the page, and an update to the recorder too.
-    fn to_page(&mut self, bytes: Vec<u8>) {
+    fn pass_on(&mut self, bytes: Vec<u8>) {
         let bytes = match decode(&bytes) {
             Ok(ToPage::Update(mut update)) => {
                 let drives = self.epoch.is_some();
