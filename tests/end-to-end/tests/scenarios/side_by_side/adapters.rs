@@ -5,7 +5,7 @@ use std::{thread, time::Duration};
 use crate::fixture::{
     Scenario, assert_quiet_console, number,
     rules::{nothing_but_stops_and_questions, the_page_says, the_page_says_one_of},
-    spin, wait_for_speed,
+    wait_for_speed,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us, retry};
@@ -75,26 +75,6 @@ fn of_two_identical_adapters_the_one_with_the_chosen_motor_is_taken() -> Result<
         page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     }
     assert_quiet_console(&page);
-    Ok(())
-}
-
-#[test]
-fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
-    for echo in ["whole", "cut:1", "cut:4"] {
-        let scenario = Scenario::connected(Line::default().with(&["--echo", echo]))?;
-        spin(&scenario.page, "+100", 97..=103)?;
-        let temperature = scenario
-            .page
-            .wait_for_text("output", "Temperature", |t| number(t).is_some())?;
-        let celsius = number(&temperature).unwrap();
-        assert!(
-            (20.0..45.0).contains(&celsius),
-            "{temperature} with echo {echo}"
-        );
-        scenario.page.press("Escape")?;
-        wait_for_speed(&scenario.page, 0..=0)?;
-        assert_quiet_console(&scenario.page);
-    }
     Ok(())
 }
 

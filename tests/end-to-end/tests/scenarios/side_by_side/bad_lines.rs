@@ -115,15 +115,6 @@ fn drives_and_stops_truly(scenario: &Scenario, pulls: usize) -> Result<()> {
     Ok(())
 }
 
-#[test]
-fn a_line_that_loses_and_spoils_replies_drives_on_or_says_why_not() -> Result<()> {
-    let faults = ["--lose-replies", "0.15", "--corrupt-replies", "0.15"];
-    let scenario = Scenario::connected(Line::default().with(&faults))?;
-    drives_and_stops_truly(&scenario, 0)?;
-    assert_quiet_console(&scenario.page);
-    Ok(())
-}
-
 /// Half of all exchanges fail then.
 #[test]
 fn a_line_that_loses_and_spoils_both_ways_shows_nothing_untrue() -> Result<()> {
