@@ -45,7 +45,7 @@ impl Turns {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TurnCounter {
     track: Option<Track>,
-    own: Option<Turns>,
+    own: Option<f64>,
     rpm: f64,
 }
 
@@ -68,7 +68,7 @@ impl TurnCounter {
         match reply.detail {
             Detail::Odometry { turns, position } => {
                 let part = f64::from(position.raw()) / 32_768.0;
-                self.own = Some(Turns::new(f64::from(turns) + part));
+                self.own = Some(f64::from(turns) + part);
             }
             Detail::Drive { position } => self.angle(at, position.degrees().into()),
             Detail::Query { position, .. } => self.angle(at, position.degrees().into()),
@@ -79,7 +79,13 @@ impl TurnCounter {
     /// The turns so far; `None` before the first angle.
     #[must_use]
     pub fn turns(&self) -> Option<Turns> {
-        let counted = |track: Track| Turns::new((track.origin - track.degrees) / 360.0);
+        self.unrounded().map(Turns::new)
+    }
+
+    /// The same at the resolution of the motor's angle, which is 0.011 degrees in a drive reply.
+    #[must_use]
+    pub fn unrounded(&self) -> Option<f64> {
+        let counted = |track: Track| (track.origin - track.degrees) / 360.0;
         self.own.or(self.track.map(counted))
     }
 
