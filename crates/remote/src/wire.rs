@@ -69,11 +69,11 @@ pub enum FromServer {
     Missed,
 }
 
-/// A page that is connected to the server.
+/// A page or a controller that is connected to the server.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Viewer {
     /// Its number, counted from 1 since the server has started.
     pub number: u32,
-    /// Its network address, such as `192.168.1.20`.
+    /// Its network address, such as `192.168.1.20`; `socket` for a controller on the computer of the server.
     pub address: String,
 }

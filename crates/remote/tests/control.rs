@@ -4,7 +4,9 @@
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_protocol::Instant;
-use motorlink_remote::{Control, Ended, NotDone, Stamp, Taken, VIEWERS_MAX, ViewerId};
+use motorlink_remote::{
+    CONTROLLERS_MAX, Control, Ended, NotDone, Participant, Stamp, Taken, VIEWERS_MAX, ViewerId,
+};
 
 /// A server, and the time.
 struct Server {
@@ -28,7 +30,11 @@ impl Server {
     }
 
     fn join(&mut self) -> ViewerId {
-        self.control.join(self.now).unwrap()
+        self.join_as(Participant::Page).unwrap()
+    }
+
+    fn join_as(&mut self, kind: Participant) -> Option<ViewerId> {
+        self.control.join(self.now, kind)
     }
 
     /// Time passes; these pages answer each challenge at once. Returns the lease that ended.
@@ -54,6 +60,12 @@ impl Server {
 
     fn take(&mut self, viewer: ViewerId, by_force: bool) -> Taken {
         self.control.take(self.now, viewer, by_force)
+    }
+
+    /// A controller arms, on its newest challenge.
+    fn arm(&mut self, viewer: ViewerId) -> Result<Taken, NotDone> {
+        let challenge = self.newest.get(&viewer).copied().unwrap_or_default();
+        self.control.arm(self.now, viewer, challenge)
     }
 
     /// An act of this page, on its newest challenge.
@@ -188,10 +200,15 @@ fn only_the_loss_of_the_operator_ends_the_lease() {
 fn pages_are_limited() {
     let mut server = Server::new();
     let pages: Vec<ViewerId> = (0..VIEWERS_MAX).map(|_| server.join()).collect();
-    assert_eq!(server.control.join(server.now), None);
+    assert_eq!(server.join_as(Participant::Page), None);
     server.control.leave(pages[3]);
     let next = server.join();
     assert!(!pages.contains(&next));
+    // However many pages there are, a controller has its place.
+    for _ in 0..CONTROLLERS_MAX {
+        assert!(server.join_as(Participant::Controller).is_some());
+    }
+    assert_eq!(server.join_as(Participant::Controller), None);
 }
 
 #[test]
@@ -204,4 +221,81 @@ fn what_the_operator_did_before_it_knew_of_a_stop_starts_nothing() {
     assert_eq!(server.act(page), Err(NotDone::Late));
     server.run(100, &[page]);
     assert_eq!(server.act(page), Ok(()));
+}
+
+#[test]
+fn the_lease_of_a_controller_ends_100_ms_after_the_newest_answered_challenge_was_made() {
+    let mut server = Server::new();
+    let controller = server.join_as(Participant::Controller).unwrap();
+    // Without a challenge that it has read, it cannot arm.
+    assert_eq!(server.arm(controller), Err(NotDone::Late));
+    server.run(10, &[]);
+    assert_eq!(server.arm(controller), Ok(Taken::Granted(None)));
+    for _ in 0..100 {
+        assert_eq!(server.run(50, &[controller]), None);
+        assert_eq!(server.act(controller), Ok(()));
+    }
+    // The newest challenge is at most 10 ms old.
+    assert_eq!(server.run(90, &[]), None);
+    assert_eq!(server.run(11, &[]), Some(Ended::Silent));
+    // No answer brings it back, and no act: only the next arm does.
+    assert_eq!(server.run(1_000, &[controller]), None);
+    assert_eq!(server.act(controller), Err(NotDone::NotOperator));
+    assert_eq!(server.arm(controller), Ok(Taken::Granted(None)));
+    assert_eq!(server.act(controller), Ok(()));
+}
+
+#[test]
+fn a_page_keeps_its_400_ms_beside_a_controller() {
+    let mut server = Server::new();
+    let page = server.join();
+    server.join_as(Participant::Controller).unwrap();
+    server.take(page, false);
+    server.run(1_000, &[page]);
+    assert_eq!(server.run(300, &[]), None);
+    assert_eq!(server.run(101, &[]), Some(Ended::Silent));
+}
+
+#[test]
+fn a_controller_takes_control_from_nobody_and_a_page_takes_it_by_the_second_press() {
+    let mut server = Server::new();
+    let (page, controller) = (
+        server.join(),
+        server.join_as(Participant::Controller).unwrap(),
+    );
+    let other = server.join_as(Participant::Controller).unwrap();
+    server.take(page, false);
+    for _ in 0..30 {
+        server.run(100, &[page, controller]);
+        assert_eq!(server.arm(controller), Ok(Taken::Asked));
+        assert_eq!(server.act(controller), Err(NotDone::NotOperator));
+    }
+    assert_eq!(server.control.asks(), Some(controller));
+    assert_eq!(server.control.give_up(page), Some(Ended::GivenUp));
+    assert_eq!(server.arm(controller), Ok(Taken::Granted(None)));
+    assert_eq!(server.arm(controller), Ok(Taken::Held));
+    server.run(20, &[controller, other]);
+    assert_eq!(server.arm(other), Ok(Taken::Asked));
+
+    server.control.leave(other);
+    assert_eq!(server.take(page, false), Taken::Asked);
+    server.run(1_001, &[page, controller]);
+    assert_eq!(server.take(page, true), Taken::Granted(Some(Ended::Taken)));
+    assert_eq!(server.act(controller), Err(NotDone::NotOperator));
+    assert_eq!(server.arm(controller), Ok(Taken::Asked));
+    assert_eq!(server.act(page), Ok(()));
+}
+
+#[test]
+fn a_controller_that_does_not_know_of_a_stop_arms_nothing() {
+    let mut server = Server::new();
+    let controller = server.join_as(Participant::Controller).unwrap();
+    server.run(50, &[]);
+    assert_eq!(server.arm(controller), Ok(Taken::Granted(None)));
+    server.control.stopped_by_other(server.now);
+    assert_eq!(server.act(controller), Err(NotDone::Late));
+    assert_eq!(server.arm(controller), Err(NotDone::Late));
+    server.run(11, &[controller]);
+    assert_eq!(server.arm(controller), Ok(Taken::Held));
+    assert_eq!(server.act(controller), Ok(()));
 }

@@ -2,10 +2,13 @@
 //! repeats one world.
 #![cfg(test)]
 
-use std::{collections::BTreeSet, time::Duration};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
 
 use motorlink_protocol::Instant;
-use motorlink_remote::{ACTS_WITHIN, Control, LEASE, Stamp, Taken, ViewerId};
+use motorlink_remote::{Control, Participant, Stamp, Taken, ViewerId};
 
 const SEEDS: u64 = 10_000;
 /// How long the network fails. Then it is good.
@@ -34,6 +37,8 @@ enum Message {
     Granted(u32),
     Answer(u64),
     Take(bool),
+    /// A controller takes control on this challenge.
+    Arm(u64),
     Act(Stamp, /* done at */ Instant),
 }
 
@@ -45,9 +50,11 @@ struct Sent {
     message: Message,
 }
 
-/// A page as the test plays it: it answers at once unless it is frozen, and acts as soon as it believes to be the operator.
+/// A page or a controller as the test plays it: it answers at once unless it is frozen, and acts as soon as it believes to
+/// be the operator.
 struct Page {
     viewer: ViewerId,
+    kind: Participant,
     challenge: Option<u64>,
     epoch: Option<u32>,
     sequence: u32,
@@ -72,7 +79,8 @@ struct World {
     /// What the rules know without the lease: who was granted it and when, and which challenges were made and answered.
     granted: Option<(ViewerId, Instant)>,
     made: Vec<(ViewerId, u64, Instant)>,
-    answered: Vec<(ViewerId, Instant)>,
+    /// When the newest challenge that each has answered was made.
+    answered: BTreeMap<ViewerId, Instant>,
     done: BTreeSet<(u32, u32)>,
     last_done: (u32, u32),
     acts_done: u32,
@@ -82,8 +90,9 @@ impl World {
     fn new(seed: u64, sabotage: Option<Sabotage>) -> Self {
         let mut control = Control::default();
         let now = Instant::from_millis(1_000);
-        let page = |viewer| Page {
-            viewer,
+        let mut page = |kind| Page {
+            viewer: control.join(now, kind).unwrap(),
+            kind,
             challenge: None,
             epoch: None,
             sequence: 0,
@@ -91,7 +100,9 @@ impl World {
             is_dead: false,
             waiting: Vec::new(),
         };
-        let pages = (0..3).map(|_| page(control.join(now).unwrap())).collect();
+        let kinds = [Participant::Page; 3].into_iter();
+        let pages = kinds.chain([Participant::Controller]).map(&mut page);
+        let pages = pages.collect();
         Self {
             random: fastrand::Rng::with_seed(seed),
             sabotage,
@@ -105,7 +116,7 @@ impl World {
             driven_by: None,
             granted: None,
             made: Vec::new(),
-            answered: Vec::new(),
+            answered: BTreeMap::new(),
             done: BTreeSet::new(),
             last_done: (0, 0),
             acts_done: 0,
@@ -160,6 +171,7 @@ impl World {
                 Message::Challenge(_) | Message::Granted(_) => self.receive(sent),
                 Message::Answer(challenge) => self.answered(sent.viewer, challenge),
                 Message::Take(by_force) => self.take(sent.viewer, by_force),
+                Message::Arm(challenge) => self.arm(sent.viewer, challenge),
                 Message::Act(stamp, done_at) => self.act(sent.viewer, stamp, done_at)?,
             }
         }
@@ -229,8 +241,12 @@ impl World {
                     challenge,
                 });
             }
-            if takes && !self.is_good {
-                self.send(viewer, Message::Take(by_force));
+            let take = match (page.kind, page.challenge) {
+                (Participant::Page, _) => Some(Message::Take(by_force)),
+                (Participant::Controller, challenge) => challenge.map(Message::Arm),
+            };
+            if let Some(take) = take.filter(|_| takes && !self.is_good) {
+                self.send(viewer, take);
             }
             if let Some(stamp) = act {
                 self.send(viewer, Message::Act(stamp, now));
@@ -242,9 +258,11 @@ impl World {
         let made = self
             .made
             .iter()
+            .rev()
             .find(|(to, made, _)| (*to, *made) == (viewer, challenge));
         if let Some((_, _, at)) = made {
-            self.answered.push((viewer, *at));
+            let newest = self.answered.entry(viewer).or_insert(*at);
+            *newest = (*newest).max(*at);
         }
         self.control.answer(self.now, viewer, challenge);
     }
@@ -253,7 +271,21 @@ impl World {
         if self.was_granted && self.sabotage == Some(Sabotage::GrantsOnce) {
             return;
         }
-        match self.control.take(self.now, viewer, by_force) {
+        let taken = self.control.take(self.now, viewer, by_force);
+        self.taken(viewer, taken);
+    }
+
+    fn arm(&mut self, viewer: ViewerId, challenge: u64) {
+        if self.was_granted && self.sabotage == Some(Sabotage::GrantsOnce) {
+            return;
+        }
+        if let Ok(taken) = self.control.arm(self.now, viewer, challenge) {
+            self.taken(viewer, taken);
+        }
+    }
+
+    fn taken(&mut self, viewer: ViewerId, taken: Taken) {
+        match taken {
             Taken::Granted(ended) => {
                 if ended.is_some() {
                     self.driven_by = None;
@@ -290,7 +322,7 @@ impl World {
             return Err("an act of a page that is not the newest operator".to_owned());
         }
         let age = self.now.since(done_at);
-        if age > ACTS_WITHIN {
+        if age > self.kind(viewer).lease() {
             return Err(format!("an act was done {age:?} late"));
         }
         if !self.done.insert((stamp.epoch, stamp.sequence)) {
@@ -305,18 +337,24 @@ impl World {
         Ok(())
     }
 
-    /// A wheel that is driven has an operator who answered a challenge of the last 400 ms, or was granted control then.
+    fn kind(&self, viewer: ViewerId) -> Participant {
+        let page = self.pages.iter().find(|page| page.viewer == viewer);
+        page.unwrap().kind
+    }
+
+    /// A wheel that is driven has an operator who answered a challenge of the time of its lease, or was granted control
+    /// then.
     fn check_driven(&self) -> Result<(), String> {
         let Some(driver) = self.driven_by else {
             return Ok(());
         };
         // The lease is looked at once in each step.
         let since = |at: Instant| self.now.since(at);
-        let bound = LEASE + Duration::from_millis(STEP_MS);
+        let bound = self.kind(driver).lease() + Duration::from_millis(STEP_MS);
         let granted = self.granted.filter(|(viewer, _)| *viewer == driver);
         let is_new = granted.is_some_and(|(_, at)| since(at) <= bound);
-        let answers = self.answered.iter().rev().take(100);
-        let is_renewed = { answers }.any(|(viewer, at)| *viewer == driver && since(*at) <= bound);
+        let answered = self.answered.get(&driver);
+        let is_renewed = answered.is_some_and(|at| since(*at) <= bound);
         if is_new || is_renewed {
             Ok(())
         } else {
