@@ -10,7 +10,7 @@ use motorlink_messages::{
 use motorlink_protocol::Instant;
 use motorlink_remote::{FromServer, ViewerId};
 
-use crate::{foxglove::Feed, viewers::Viewers};
+use crate::{control_socket, foxglove, viewers::Viewers};
 
 /// The longest time between two turns. The hub checks the lease as often as the thread that does nothing else.
 const TURN_MAX: Duration = Duration::from_millis(10);
@@ -24,7 +24,8 @@ const STATE_EVERY: Duration = Duration::from_millis(250);
 /// Takes the entries of the driver, and tells the pages.
 #[derive(Debug)]
 pub struct Hub {
-    foxglove: Feed,
+    foxglove: foxglove::Feed,
+    socket: control_socket::Feed,
     viewers: Viewers,
     outbox: Outbox,
     traffic: Vec<LineEvent>,
@@ -42,7 +43,8 @@ impl Hub {
     pub fn new(viewers: Viewers, adapter: Adapter) -> Self {
         let now = std::time::Instant::now();
         Self {
-            foxglove: Feed::new(viewers.foxglove()),
+            foxglove: foxglove::Feed::new(viewers.foxglove()),
+            socket: control_socket::Feed::new(viewers.clone()),
             viewers,
             outbox: Outbox::default(),
             traffic: Vec::new(),
@@ -57,6 +59,7 @@ impl Hub {
     /// Takes an entry of the driver, and its time.
     pub fn take(&mut self, at: Instant, entry: Entry) {
         self.foxglove.take(at, &entry);
+        self.socket.take(&entry);
         match entry {
             Entry::Event(Event::Line(event)) => self.traffic.push(event),
             Entry::Event(event) => {
@@ -93,6 +96,7 @@ impl Hub {
     pub fn turn(&mut self, driver: &Driver) -> Duration {
         let lease = self.viewers.turn();
         self.foxglove.turn(driver);
+        self.socket.turn(driver);
         let now = std::time::Instant::now();
         if self.viewers.are_there() {
             if !self.traffic.is_empty() && now >= self.traffic_sent + TRAFFIC_EVERY {

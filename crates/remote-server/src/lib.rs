@@ -5,11 +5,18 @@
 //! own: a page that is slow, dead or hostile delays neither the wire nor the operator. Queues, sizes, rates and the
 //! number of pages are limited.
 //!
+//! A controller on the same computer drives by a Unix socket: `ControlSocket`.
+//!
 //! `/foxglove` tells other programs what happens on the line; nothing leads from it to the driver.
 //!
 //! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
 mod access;
+#[cfg_attr(
+    not(unix),
+    allow(dead_code, reason = "no socket is there to be served")
+)]
+mod control_socket;
 mod foxglove;
 mod hub;
 mod messages;
@@ -21,6 +28,8 @@ mod tls;
 mod viewers;
 
 pub use access::{Access, Token};
+#[cfg(unix)]
+pub use control_socket::{ControlSocket, NoSocket, RunningSocket};
 pub use hub::Hub;
 pub use page::Site;
 pub use server::Server;

@@ -1,6 +1,7 @@
-//! The pages that are connected: who they are, who drives, and what is sent to them.
+//! The pages and controllers that are connected: who they are, who drives, and what is sent to them.
 
 mod acts;
+mod controllers;
 
 use std::{
     collections::BTreeMap,
@@ -16,10 +17,13 @@ use motorlink_bus::{Command, StopReason};
 use motorlink_driver::{Clock, Commander};
 use motorlink_messages::{Notice, encode};
 use motorlink_protocol::Instant;
-use motorlink_remote::{Control, Ended, FromServer, Taken, Viewer, ViewerId};
-use tokio::sync::{broadcast, mpsc};
+use motorlink_remote::{Control, Ended, FromServer, Participant, Taken, Viewer, ViewerId};
+use tokio::sync::{broadcast, mpsc, watch};
 
+use self::controllers::Controllers;
+pub(crate) use self::controllers::Own;
 use crate::{
+    control_socket::Line,
     foxglove::Clients,
     messages::{Garbage, Message},
 };
@@ -36,7 +40,10 @@ const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
 const LOOK_MAX: Duration = Duration::from_millis(10);
 const LOOK_MIN: Duration = Duration::from_millis(1);
 
-/// The pages, shared by their connections and the hub.
+/// How a controller is named beside the addresses of pages.
+const ON_SOCKET: &str = "socket";
+
+/// The pages and controllers, shared by their connections and the hub.
 #[derive(Clone, Debug)]
 pub struct Viewers(Arc<Shared>);
 
@@ -45,6 +52,7 @@ struct Shared {
     state: Mutex<State>,
     updates: broadcast::Sender<Bytes>,
     foxglove: Clients,
+    line: watch::Sender<Arc<Line>>,
 }
 
 struct State {
@@ -52,6 +60,7 @@ struct State {
     clock: Clock,
     commander: Commander,
     pages: BTreeMap<ViewerId, Page>,
+    controllers: Controllers,
     /// Notices for one page, which the hub sends with the state.
     notices: BTreeMap<ViewerId, Vec<Notice>>,
     /// The pages without the lease that have stopped something lately, and when.
@@ -104,6 +113,7 @@ impl Viewers {
             clock: Clock::new(),
             commander,
             pages: BTreeMap::new(),
+            controllers: Controllers::default(),
             notices: BTreeMap::new(),
             stopped: BTreeMap::new(),
             log: Vec::new(),
@@ -115,6 +125,7 @@ impl Viewers {
             state: Mutex::new(state),
             updates,
             foxglove: Clients::new(),
+            line: watch::Sender::new(Arc::default()),
         }));
         viewers.watch_lease()?;
         Ok(viewers)
@@ -148,7 +159,7 @@ impl Viewers {
     pub(crate) fn join(&self, address: IpAddr) -> Option<(ViewerId, Outgoing)> {
         let mut state = self.state();
         let now = state.clock.now();
-        let viewer = state.control.join(now)?;
+        let viewer = state.control.join(now, Participant::Page)?;
         let (queue, own) = mpsc::channel(QUEUE);
         let updates = self.0.updates.subscribe();
         let hello = FromServer::Hello {
@@ -167,6 +178,7 @@ impl Viewers {
         state.stopped.remove(&viewer);
         let ended = state.control.leave(viewer);
         state.stop_after(ended);
+        state.controllers.remove(viewer);
         state.tell_control();
     }
 
@@ -213,7 +225,9 @@ impl Viewers {
         }
         // A system without random numbers: no lease is renewed, and nobody drives.
         for (viewer, challenge) in state.control.challenge(now, random) {
-            state.send(viewer, &FromServer::Challenge(challenge));
+            if !state.controllers.challenge(viewer, challenge) {
+                state.send(viewer, &FromServer::Challenge(challenge));
+            }
         }
         let next = state.control.next_turn();
         next.map_or(Duration::MAX, |at| at.since(now))
@@ -302,10 +316,11 @@ impl State {
     }
 
     /// Stops what a lease drove that has ended.
-    fn stop_after(&self, ended: Option<Ended>) {
-        if ended.is_some() {
+    fn stop_after(&mut self, ended: Option<Ended>) {
+        if let Some(why) = ended {
             let stop = Command::StopAll(StopReason::OperatorLost);
             self.commander.command(stop);
+            self.controllers.lease_ended(why);
         }
     }
 
@@ -318,30 +333,37 @@ impl State {
             for viewer in self.pages.keys() {
                 self.tell_control_to(*viewer);
             }
+            let operator = newest.0.map(|(holder, _)| holder);
+            self.controllers.tell_operator(operator);
         }
     }
 
     fn tell_control_to(&self, viewer: ViewerId) {
         let operator = self.control.operator();
-        let named = |viewer: ViewerId| {
-            let page = self.pages.get(&viewer)?;
-            Some(Viewer {
-                number: viewer.0,
-                address: page.address.to_string(),
-            })
-        };
         let epoch = operator.filter(|(holder, _)| *holder == viewer);
         let message = FromServer::Control {
             epoch: epoch.map(|(_, epoch)| epoch),
             you: viewer.0,
-            operator: operator.and_then(|(holder, _)| named(holder)),
-            asks: self.control.asks().and_then(named),
+            operator: operator.and_then(|(holder, _)| self.named(holder)),
+            asks: self.control.asks().and_then(|asks| self.named(asks)),
         };
         self.send(viewer, &message);
     }
 
-    /// Keeps a notice for a page, unless it has many.
+    fn named(&self, viewer: ViewerId) -> Option<Viewer> {
+        let page = self.pages.get(&viewer).map(|page| page.address.to_string());
+        let on_socket = || self.controllers.has(viewer).then(|| ON_SOCKET.to_owned());
+        Some(Viewer {
+            number: viewer.0,
+            address: page.or_else(on_socket)?,
+        })
+    }
+
+    /// Keeps a notice for a page, unless it has many. A controller reads none.
     fn notice(&mut self, viewer: ViewerId, notice: Notice) {
+        if !self.pages.contains_key(&viewer) {
+            return;
+        }
         let notices = self.notices.entry(viewer).or_default();
         if notices.len() < QUEUE {
             notices.push(notice);

@@ -50,18 +50,6 @@ impl Page {
             .any(|notice| matches!(notice, Notice::Refused { .. }))
     }
 
-    fn is_halted(&self) -> bool {
-        self.update.as_ref().is_some_and(|update| update.halted)
-    }
-
-    /// Lives on for a while.
-    fn live(&mut self, duration: Duration) {
-        let until = Instant::now() + duration;
-        while Instant::now() < until {
-            assert!(self.receive());
-        }
-    }
-
     fn closes(&mut self) -> bool {
         let until = Instant::now() + SOON;
         while Instant::now() < until {
@@ -70,12 +58,6 @@ impl Page {
             }
         }
         false
-    }
-
-    fn drive(&mut self) {
-        self.wait("a reply", |page| page.speed().is_some());
-        self.act(start());
-        self.wait("a turning wheel", Self::turns);
     }
 
     fn stands(&self) -> bool {

@@ -28,7 +28,11 @@ impl State {
                 }
             }
             // They move nothing, and the page sends its settings only once.
-            Command::CancelJob | Command::Configure(_) if holds => self.commander.command(command),
+            Command::CancelJob if holds => self.commander.command(command),
+            Command::Configure(settings) if holds => {
+                self.controllers.limited_by(settings.limits);
+                self.commander.command(command);
+            }
             command => {
                 let starts = command.may_move() || command.releases();
                 let done = self.control.act(now, viewer, act.stamp, starts);
@@ -59,6 +63,7 @@ impl State {
             if !is_operator {
                 self.control.stopped_by_other(now);
                 self.stopped.insert(viewer, now);
+                self.controllers.stopped_by(stop);
             }
         }
     }

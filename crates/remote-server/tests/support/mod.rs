@@ -1,4 +1,5 @@
 //! A server with a virtual motor, for tests.
+#![allow(dead_code, reason = "each test file uses its own part of the bench")]
 
 use std::{
     io::{Read, Write},
@@ -24,6 +25,7 @@ pub const SOON: Duration = Duration::from_secs(10);
 pub struct Bench {
     pub address: SocketAddr,
     pub token: Option<Token>,
+    pub viewers: Viewers,
     is_over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     _server: Server,
@@ -84,6 +86,7 @@ impl Bench {
         Self {
             address,
             token,
+            viewers: viewers.clone(),
             is_over,
             thread: Some(thread),
             _server: Server::start(listener, access, site, viewers, tls).unwrap(),

@@ -1,4 +1,5 @@
 //! A page without a browser. Tests and measurements use it.
+#![allow(dead_code, reason = "each program uses its own part of the page")]
 #![allow(
     clippy::unwrap_used,
     reason = "the file is part of a measuring program too, which is not a test"
@@ -165,6 +166,24 @@ impl Page {
             age_ms: 0,
             message: encode(&message).unwrap(),
         });
+    }
+
+    pub fn is_halted(&self) -> bool {
+        self.update.as_ref().is_some_and(|update| update.halted)
+    }
+
+    /// Lives on for a while.
+    pub fn live(&mut self, duration: Duration) {
+        let until = Instant::now() + duration;
+        while Instant::now() < until {
+            assert!(self.receive());
+        }
+    }
+
+    pub fn drive(&mut self) {
+        self.wait("a reply", |page| page.speed().is_some());
+        self.act(start());
+        self.wait("a turning wheel", Self::turns);
     }
 
     pub fn turns(&self) -> bool {

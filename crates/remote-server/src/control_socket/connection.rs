@@ -1,0 +1,301 @@
+//! The connection of one client.
+
+use std::{
+    io,
+    sync::Arc,
+    time::{Duration, Instant as Moment},
+};
+
+use motorlink_bus::Activity;
+use motorlink_protocol::{Faults, Instant};
+use motorlink_remote::ViewerId;
+use rustix::time::{ClockId, clock_gettime};
+use tokio::{
+    io::{AsyncReadExt as _, AsyncWriteExt as _},
+    net::{
+        UnixStream,
+        unix::{OwnedReadHalf, OwnedWriteHalf},
+    },
+    sync::{oneshot, watch},
+    time::{sleep, sleep_until, timeout},
+};
+
+use super::{
+    line::{Line, Measured, Motor},
+    messages::{self, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Wrong},
+    text,
+};
+use crate::viewers::{Own, Viewers};
+
+/// How long a client may take for its first bytes, and to take a message. One that takes longer has gone.
+pub(super) const PATIENCE: Duration = Duration::from_secs(5);
+/// How long a refusal may take.
+const REFUSAL_MAX: Duration = Duration::from_millis(500);
+/// The shortest time between two states, and the longest.
+const STATE_MIN: Duration = Duration::from_millis(1);
+const STATE_MAX: Duration = Duration::from_millis(10);
+/// Messages of a client in a second: twice those of the fastest controller.
+const RATE_MAX: u32 = 2_000;
+/// Without a reply for this long, speed and current are unknown, as everywhere.
+const FRESH_FOR: Duration = Duration::from_millis(500);
+
+/// A client as it is told everything: what is its own, and the line.
+pub(super) struct Told {
+    pub(super) own: watch::Receiver<Own>,
+    pub(super) line: watch::Receiver<Arc<Line>>,
+}
+
+/// Serves a client until it goes. `is_there`: whether it has got a place.
+pub(super) async fn serve(stream: UnixStream, viewers: Viewers, is_there: bool) {
+    let (mut read, mut write) = stream.into_split();
+    let mut first = [0];
+    match timeout(PATIENCE, read.read_exact(&mut first)).await {
+        Ok(Ok(_)) => {}
+        Ok(Err(_)) => return,
+        Err(_) => return text::complain(read, write, Wrong::Silent).await,
+    }
+    let [magic, ..] = MAGIC;
+    if first != [magic] {
+        if is_there {
+            text::serve(first, read, write, &viewers).await;
+        } else {
+            text::complain(read, write, Wrong::TooMany).await;
+        }
+        return;
+    }
+    let greeted = greet(magic, &mut read, &mut write, is_there).await;
+    let joined = greeted.and_then(|()| viewers.join_controller().ok_or(Wrong::TooMany));
+    match joined {
+        Ok((viewer, own)) => {
+            let line = viewers.line();
+            talk(read, write, &viewers, viewer, Told { own, line }).await;
+        }
+        Err(wrong) => {
+            viewers.log(format!("a client of the socket was refused: {wrong}"));
+            refuse(read, write, &messages::error(wrong)).await;
+        }
+    }
+}
+
+/// Says why the connection is closed. What the client has sent is taken: otherwise the system resets the connection.
+pub(super) async fn refuse(mut read: OwnedReadHalf, mut write: OwnedWriteHalf, why: &[u8]) {
+    let said = async {
+        // It may have gone.
+        let _ = write.write_all(why).await;
+        let _ = write.shutdown().await;
+        let mut bytes = [0; 256];
+        for _ in 0..16 {
+            if !matches!(read.read(&mut bytes).await, Ok(1..)) {
+                return;
+            }
+        }
+    };
+    let _ = timeout(REFUSAL_MAX, said).await;
+}
+
+/// Reads the hello of a client, and answers it.
+async fn greet(
+    first: u8,
+    read: &mut OwnedReadHalf,
+    write: &mut OwnedWriteHalf,
+    is_there: bool,
+) -> Result<(), Wrong> {
+    let mut rest = [0; messages::HELLO - 1];
+    let received = timeout(PATIENCE, read.read_exact(&mut rest)).await;
+    // Also to a client of another version: it sees which one this is.
+    let hello = messages::hello();
+    let _ = timeout(PATIENCE, write.write_all(&hello)).await;
+    if !matches!(received, Ok(Ok(_))) {
+        return Err(Wrong::Silent);
+    }
+    messages::check_hello(&[&[first], &rest[..]].concat())?;
+    is_there.then_some(()).ok_or(Wrong::TooMany)
+}
+
+/// Sends states and takes messages until the client goes.
+async fn talk(
+    read: OwnedReadHalf,
+    write: OwnedWriteHalf,
+    viewers: &Viewers,
+    viewer: ViewerId,
+    told: Told,
+) {
+    // However this function ends.
+    let _leaves = Leaves { viewers, viewer };
+    let (end, ended) = oneshot::channel();
+    let receiving = async {
+        let received = receive(read, viewers, viewer).await;
+        // At once: the last state may wait for a client that takes nothing.
+        viewers.leave(viewer);
+        if let Err(wrong) = received {
+            viewers.log(format!("controller {} was disconnected: {wrong}", viewer.0));
+            let _ = end.send(wrong);
+        }
+    };
+    let mut sending = Box::pin(send(write, viewer, told, ended));
+    tokio::select! {
+        () = &mut sending => return,
+        () = receiving => {}
+    }
+    sending.await;
+}
+
+/// Ends the part of a controller.
+struct Leaves<'a> {
+    viewers: &'a Viewers,
+    viewer: ViewerId,
+}
+
+impl Drop for Leaves<'_> {
+    fn drop(&mut self) {
+        self.viewers.leave(self.viewer);
+    }
+}
+
+/// Passes on the messages of a client until it goes.
+async fn receive(
+    mut read: OwnedReadHalf,
+    viewers: &Viewers,
+    viewer: ViewerId,
+) -> Result<(), Wrong> {
+    let mut bytes = [0; FROM_CLIENT];
+    let (mut since, mut count) = (Moment::now(), 0);
+    while read.read_exact(&mut bytes).await.is_ok() {
+        if since.elapsed() >= Duration::from_secs(1) {
+            (since, count) = (Moment::now(), 0);
+        }
+        count += 1;
+        if count > RATE_MAX {
+            return Err(Wrong::Floods);
+        }
+        match messages::decode(&bytes)? {
+            FromClient::Arm(order) => viewers.arm(viewer, &order),
+            FromClient::Setpoints(order) => viewers.setpoints(viewer, &order),
+            FromClient::Disarm => viewers.disarm(viewer),
+        }
+    }
+    Ok(())
+}
+
+/// Sends the newest state until the client goes, takes nothing, or has done something wrong.
+async fn send(
+    mut write: OwnedWriteHalf,
+    viewer: ViewerId,
+    mut told: Told,
+    mut ended: oneshot::Receiver<Wrong>,
+) {
+    loop {
+        // A client that is slow then gets a state of the moment when it takes one.
+        if !matches!(timeout(PATIENCE, write.writable()).await, Ok(Ok(()))) {
+            return;
+        }
+        let own = told.own.borrow_and_update().clone();
+        let line = Arc::clone(&told.line.borrow_and_update());
+        let sent = tokio::time::Instant::now();
+        let state = messages::encode(&state(viewer, &own, &line));
+        if !matches!(timeout(PATIENCE, write.write_all(&state)).await, Ok(Ok(()))) {
+            return;
+        }
+        sleep_until(sent + STATE_MIN).await;
+        let wrong = tokio::select! {
+            biased;
+            ended = &mut ended => Some(ended),
+            _ = told.own.changed() => None,
+            _ = told.line.changed() => None,
+            () = sleep(STATE_MAX) => None,
+        };
+        if let Some(ended) = wrong {
+            if let Ok(wrong) = ended {
+                let _ = timeout(PATIENCE, write.write_all(&messages::error(wrong))).await;
+            }
+            return;
+        }
+    }
+}
+
+fn state(viewer: ViewerId, own: &Own, line: &Line) -> messages::State {
+    let now = line.now();
+    let holder = own
+        .operator
+        .map_or_else(Default::default, |(holder, is_page)| {
+            let is = match is_page {
+                true => Holder::Page,
+                false if holder == viewer => Holder::You,
+                false => Holder::OtherClient,
+            };
+            (is, holder.0)
+        });
+    let own_motors = own.motors.iter().filter_map(|id| line.motors.get(id));
+    let is_other = |motor: &&Motor| !own.motors.contains(&motor.status.id);
+    let motors = own_motors.chain(line.motors.values().filter(is_other));
+    messages::State {
+        is_halted: line.is_halted,
+        is_open: line.is_open,
+        drive: own.drive,
+        ended: own.ended,
+        arm: own.arm,
+        challenge: own.challenge,
+        sent_us: monotonic_us(),
+        holder,
+        motors: motors
+            .take(MOTORS_MAX)
+            .map(|motor| known(motor, now))
+            .collect(),
+    }
+}
+
+/// What is known of a motor now.
+fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
+    let age = |at: Instant| u32::try_from(now?.since(at).as_micros()).ok();
+    let is_fresh = |at: Instant| now.is_some_and(|now| now.since(at) <= FRESH_FOR);
+    let status = &motor.status;
+    let flags = u8::from(status.silent)
+        | u8::from(status.may_turn) << 1
+        | u8::from(status.turns_unasked) << 2
+        | u8::from(motor.faults.is_some()) << 3;
+    messages::Motor {
+        id: status.id.get(),
+        activity: match status.activity {
+            Activity::Idle => 0,
+            Activity::Driven { .. } => 1,
+            Activity::Stopping { .. } => 2,
+            Activity::Switching { .. } => 3,
+            Activity::DrivenRaw => 4,
+        },
+        flags,
+        faults: motor.faults.map_or(0, Faults::byte),
+        reply_age: motor.replied.and_then(age),
+        position: motor
+            .turns
+            .and_then(|(at, turns)| Some((turns * std::f64::consts::TAU, age(at)?))),
+        velocity: fresh(motor.speed, is_fresh)
+            .and_then(|(at, rpm)| Some((f32::from(rpm.rpm()) * RAD_PER_S, age(at)?))),
+        current: fresh(motor.current, is_fresh)
+            .and_then(|(at, current)| Some((current.amps(), age(at)?))),
+        temperature: motor
+            .temperature
+            .and_then(|(at, celsius)| Some((f32::from(celsius.degrees()), age(at)?))),
+    }
+}
+
+/// One revolution a minute.
+pub(super) const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
+
+fn fresh<T: Copy>(value: Measured<T>, is_fresh: impl Fn(Instant) -> bool) -> Measured<T> {
+    value.filter(|(at, _)| is_fresh(*at))
+}
+
+/// The clock that every program of this computer reads.
+fn monotonic_us() -> u64 {
+    let now = clock_gettime(ClockId::Monotonic);
+    let seconds = u64::try_from(now.tv_sec).unwrap_or_default();
+    let nanoseconds = u64::try_from(now.tv_nsec).unwrap_or_default();
+    seconds * 1_000_000 + nanoseconds / 1_000
+}
+
+/// Keeps few states in the queue of the system: a client that was slow then reads a new one.
+pub(super) fn limit_queue(stream: &UnixStream) -> io::Result<()> {
+    const BYTES: usize = 4 * messages::FROM_SERVER;
+    rustix::net::sockopt::set_socket_send_buffer_size(stream, BYTES)?;
+    Ok(())
+}

@@ -1,0 +1,214 @@
+//! The newest state of each motor, from the entries of the driver.
+
+use std::{
+    collections::BTreeMap,
+    sync::Arc,
+    time::{Duration, Instant as Moment},
+};
+
+use motorlink_bus::{Event, MotorStatus, Sample, StopReason, TurnCounter, WithdrawReason};
+use motorlink_driver::{Driver, Entry};
+use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, MotorId, Rpm};
+
+use super::messages::EndReason;
+use crate::viewers::Viewers;
+
+/// How often the driver is asked what it does with the motors, while a client is there. An event asks at once.
+const ASK_EVERY: Duration = Duration::from_millis(10);
+
+/// One step of the angle in the reply to a query, in turns, and what is rounded beside it.
+const COARSE_TURNS: f64 = 1.2 / 255.0;
+/// How long a fine angle counts more than a coarse one: ten drive frames.
+const FINE_FOR: Duration = Duration::from_millis(200);
+
+/// A measured value, and when its reply came, by the driver's clock.
+pub(crate) type Measured<T> = Option<(Instant, T)>;
+
+/// The newest state of the line.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Line {
+    pub(crate) is_open: bool,
+    pub(crate) is_halted: bool,
+    pub(crate) motors: BTreeMap<MotorId, Motor>,
+    /// The driver's clock at a moment of ours.
+    clock: Option<(Instant, Moment)>,
+}
+
+/// The newest state of a motor.
+#[derive(Clone, Debug)]
+pub(crate) struct Motor {
+    /// What the bus does with it.
+    pub(crate) status: MotorStatus,
+    pub(crate) replied: Option<Instant>,
+    pub(crate) faults: Option<Faults>,
+    /// In turns, positive in the direction of positive speed.
+    pub(crate) turns: Measured<f64>,
+    pub(crate) speed: Measured<Rpm>,
+    pub(crate) current: Measured<Current>,
+    pub(crate) temperature: Measured<Celsius>,
+}
+
+impl Line {
+    /// The present time of the driver; `None` before its first state.
+    pub(crate) fn now(&self) -> Option<Instant> {
+        let (at, seen) = self.clock?;
+        Some(at + seen.elapsed())
+    }
+
+    fn motor(&mut self, id: MotorId) -> &mut Motor {
+        let new = || Motor::unknown(id);
+        self.motors.entry(id).or_insert_with(new)
+    }
+}
+
+impl Motor {
+    fn unknown(id: MotorId) -> Self {
+        Self {
+            status: MotorStatus::unknown(id),
+            replied: None,
+            faults: None,
+            turns: None,
+            speed: None,
+            current: None,
+            temperature: None,
+        }
+    }
+
+    /// Takes a reply. What it does not tell stays as it was, with its own time.
+    fn take(&mut self, sample: &Sample, turns: &mut TurnCounter) {
+        let Sample { at, reply } = sample;
+        turns.record(*at, reply);
+        self.replied = Some(*at);
+        self.faults = Some(reply.faults);
+        if let Some(speed) = reply.speed {
+            self.speed = Some((*at, speed));
+        }
+        if let Some(current) = reply.current {
+            self.current = Some((*at, current));
+        }
+        match reply.detail {
+            Detail::Drive { .. } | Detail::Odometry { .. } => {
+                self.turns = turns.unrounded().map(|turns| (*at, turns));
+            }
+            Detail::Query { temperature, .. } => {
+                self.temperature = Some((*at, temperature));
+                // Its angle is coarse. It counts where nothing finer is new, and it shows that the wheel has moved.
+                let counted = turns.unrounded().unwrap_or_default();
+                let is_news = |(fine_at, turns): (Instant, f64)| {
+                    at.since(fine_at) > FINE_FOR && (turns - counted).abs() > COARSE_TURNS
+                };
+                if self.turns.is_none_or(is_news) {
+                    self.turns = Some((*at, counted));
+                }
+            }
+            Detail::Temperature(temperature) => self.temperature = Some((*at, temperature)),
+            Detail::Undetermined(_) => {}
+        }
+    }
+}
+
+/// Follows the driver, and tells the clients.
+#[derive(Debug)]
+pub(crate) struct Feed {
+    viewers: Viewers,
+    line: Line,
+    turns: BTreeMap<MotorId, TurnCounter>,
+    asked: Moment,
+    is_due: bool,
+}
+
+impl Feed {
+    pub(crate) fn new(viewers: Viewers) -> Self {
+        Self {
+            viewers,
+            line: Line::default(),
+            turns: BTreeMap::new(),
+            asked: Moment::now(),
+            is_due: true,
+        }
+    }
+
+    /// Takes an entry of the driver.
+    pub(crate) fn take(&mut self, entry: &Entry) {
+        match entry {
+            Entry::Event(Event::Line(_)) => {}
+            Entry::Event(Event::Telemetry(sample)) => {
+                let id = sample.reply.id;
+                let turns = self.turns.entry(id).or_default();
+                self.line.motor(id).take(sample, turns);
+                self.tell();
+            }
+            entry => {
+                self.is_due = true;
+                if let Some((of, why)) = end_reason(entry) {
+                    self.viewers.drive_may_end(of, why);
+                }
+            }
+        }
+    }
+
+    /// Does what is due.
+    pub(crate) fn turn(&mut self, driver: &Driver) {
+        let now = Moment::now();
+        if !self.viewers.has_clients() || (!self.is_due && now < self.asked + ASK_EVERY) {
+            return;
+        }
+        let changes = self.viewers.drive_changes();
+        // The driver has ended, or stalls: the ages grow.
+        let Some(status) = driver.status() else {
+            return;
+        };
+        (self.asked, self.is_due) = (now, false);
+        self.line.clock = Some((status.now, now));
+        self.line.is_open = status.is_open;
+        self.line.is_halted = status.is_halted;
+        if status.is_open {
+            // A motor that is not watched any more is not known.
+            self.line.motors.retain(|id, _| status.motor(*id).is_some());
+        }
+        for motor in &status.motors {
+            self.line.motor(motor.id).status = *motor;
+        }
+        self.viewers.judge(changes, &status, driver.model());
+        self.tell();
+    }
+
+    fn tell(&self) {
+        if self.viewers.has_clients() {
+            self.viewers.tell_line(Arc::new(self.line.clone()));
+        }
+    }
+}
+
+/// Why the drive of a controller may have ended, by this entry, and whose motor shows it.
+fn end_reason(entry: &Entry) -> Option<(Option<MotorId>, EndReason)> {
+    Some(match entry {
+        Entry::Event(Event::Withdrawn { id, reason }) => {
+            let why = match reason {
+                WithdrawReason::Silent => EndReason::Silent,
+                WithdrawReason::Fault(_) => EndReason::Fault,
+                WithdrawReason::Limit(_) => EndReason::Limit,
+                WithdrawReason::OtherLoop { .. }
+                | WithdrawReason::NotEnabled
+                | WithdrawReason::TemperatureUnknown
+                | WithdrawReason::AngleMisfits => EndReason::OtherWithdrawal,
+            };
+            (Some(*id), why)
+        }
+        Entry::Event(Event::NotStarted { id, .. }) => (Some(*id), EndReason::NotStarted),
+        Entry::Refused {
+            command: motorlink_bus::CommandKind::DriveGroup,
+            ..
+        }
+        | Entry::TooLate(_)
+        | Entry::NotConnected(_) => (None, EndReason::NotStarted),
+        Entry::Event(Event::StopBegan(reason)) => match reason {
+            StopReason::Operator => (None, EndReason::Stopped),
+            // A start may begin with it, and the end of a lease has its own reason.
+            StopReason::OneMotor | StopReason::OperatorLost => return None,
+            _ => (None, EndReason::ServerStopped),
+        },
+        Entry::PortLost { .. } => (None, EndReason::PortLost),
+        _ => return None,
+    })
+}

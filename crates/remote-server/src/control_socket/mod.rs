@@ -1,0 +1,28 @@
+//! The socket of `motorlink serve --socket`: a controller on this computer drives the motors.
+//!
+//! `docs/socket.md` describes every byte. A controller is one more holder of the lease beside the pages
+//! ([`motorlink_remote::Control`]): it has 100 ms where a page has 400 ms. Text clients read the state and may stop.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `messages` | the bytes, in both directions |
+//! | `line` | the newest state of each motor, from the entries of the driver |
+//! | `connection` | the connection of one client |
+//! | `text` | the text form |
+//! | `listener` | the file of the socket, and who is let in |
+//!
+//! What a controller may do is decided in `viewers/controllers.rs`, where the lease is locked.
+
+#[cfg(unix)]
+mod connection;
+mod line;
+#[cfg(unix)]
+mod listener;
+mod messages;
+#[cfg(unix)]
+mod text;
+
+pub(crate) use line::{Feed, Line};
+#[cfg(unix)]
+pub use listener::{ControlSocket, NoSocket, RunningSocket};
+pub(crate) use messages::{DriveState, EndReason, NotArmed, Order};

@@ -1,0 +1,163 @@
+//! The text form, for a first look: `echo state | nc -U PATH`.
+
+use std::{fmt::Write as _, time::Duration};
+
+use motorlink_bus::Activity;
+use motorlink_protocol::Faults;
+use tokio::{
+    io::{AsyncReadExt as _, AsyncWriteExt as _},
+    net::unix::{OwnedReadHalf, OwnedWriteHalf},
+    time::{sleep, timeout},
+};
+
+use super::{
+    connection::{PATIENCE, RAD_PER_S, refuse},
+    line::{Line, Motor},
+    messages::Wrong,
+};
+use crate::viewers::Viewers;
+
+/// The longest command, with spaces.
+const COMMAND_MAX: usize = 32;
+/// How often `watch` prints.
+const WATCH_EVERY: Duration = Duration::from_millis(100);
+/// How long a first state of the driver may take.
+const FIRST_STATE_MAX: Duration = Duration::from_secs(1);
+
+const HELP: &str = "\
+state   who has control, and one line for each motor
+watch   the same, ten times a second
+stop    stops all motors
+help    this text
+The text form drives nothing. docs/socket.md has the messages that do.
+";
+
+/// Answers commands until the client goes.
+pub(super) async fn serve(
+    first: [u8; 1],
+    mut read: OwnedReadHalf,
+    mut write: OwnedWriteHalf,
+    viewers: &Viewers,
+) {
+    let mut command = first.to_vec();
+    loop {
+        match read_line(&mut command, &mut read).await {
+            Read::Ended if command.is_empty() => return,
+            Read::Whole | Read::Ended => {}
+            Read::TooLong => return complain(read, write, Wrong::Magic).await,
+        }
+        let text = match command.trim_ascii() {
+            b"" => String::new(),
+            b"state" => state(viewers).await,
+            b"watch" => {
+                while say(&mut write, &state(viewers).await).await {
+                    sleep(WATCH_EVERY).await;
+                }
+                return;
+            }
+            b"stop" => {
+                viewers.stop_all();
+                viewers.log("a client of the socket stops all motors".to_owned());
+                "All motors are being stopped. state shows whether they stand.\n".to_owned()
+            }
+            b"help" => HELP.to_owned(),
+            _ => return complain(read, write, Wrong::Magic).await,
+        };
+        if !say(&mut write, &text).await {
+            return;
+        }
+        command.clear();
+    }
+}
+
+/// How a line has ended.
+enum Read {
+    Whole,
+    TooLong,
+    /// The client sends nothing more, or has gone.
+    Ended,
+}
+
+async fn read_line(command: &mut Vec<u8>, read: &mut OwnedReadHalf) -> Read {
+    loop {
+        match command.last() {
+            Some(b'\n') => return Read::Whole,
+            _ if command.len() > COMMAND_MAX => return Read::TooLong,
+            _ => {}
+        }
+        let mut byte = [0];
+        if read.read_exact(&mut byte).await.is_err() {
+            return Read::Ended;
+        }
+        command.extend(byte);
+    }
+}
+
+async fn say(write: &mut OwnedWriteHalf, text: &str) -> bool {
+    let said = timeout(PATIENCE, write.write_all(text.as_bytes())).await;
+    matches!(said, Ok(Ok(())))
+}
+
+/// Says why the connection is closed.
+pub(super) async fn complain(read: OwnedReadHalf, write: OwnedWriteHalf, wrong: Wrong) {
+    refuse(read, write, format!("error: {wrong}\n").as_bytes()).await;
+}
+
+async fn state(viewers: &Viewers) -> String {
+    let mut line = viewers.line();
+    // The first client of all waits until the driver was asked.
+    let known = line.wait_for(|line| line.now().is_some());
+    let _ = timeout(FIRST_STATE_MAX, known).await;
+    let line = line.borrow().clone();
+    let mut text = format!("control: {}", viewers.operator_name());
+    if line.is_halted {
+        text.push_str(", all motors stopped");
+    }
+    if !line.is_open {
+        text.push_str(", no port");
+    }
+    text.push('\n');
+    for motor in line.motors.values() {
+        push(&mut text, motor, &line);
+    }
+    text
+}
+
+fn push(text: &mut String, motor: &Motor, line: &Line) {
+    let status = &motor.status;
+    let activity = match status.activity {
+        Activity::Idle if status.silent => "silent",
+        Activity::Idle => "idle",
+        Activity::Driven { .. } => "driven",
+        Activity::Stopping { .. } => "stopping",
+        Activity::Switching { .. } => "switching",
+        Activity::DrivenRaw => "raw",
+    };
+    let or_unknown = |value: Option<String>| value.unwrap_or_else(|| "?".to_owned());
+    let position = motor.turns.map(|(_, turns)| turns * std::f64::consts::TAU);
+    let speed = motor
+        .speed
+        .map(|(_, speed)| f32::from(speed.rpm()) * RAD_PER_S);
+    let current = motor.current.map(|(_, current)| current.amps());
+    let temperature = motor.temperature.map(|(_, celsius)| celsius.degrees());
+    let age = line.now().zip(motor.replied);
+    let age = age.map(|(now, at)| now.since(at).as_millis());
+    let faults = motor.faults.map(Faults::byte);
+    // Writing into a text cannot fail.
+    let _ = writeln!(
+        text,
+        "motor {} {activity}{}: {} rad, {} rad/s, {} A, {} degC, faults {}, reply {} ms ago",
+        status.id.get(),
+        if status.may_turn && !matches!(status.activity, Activity::Driven { .. }) {
+            ", not confirmed to stand"
+        } else {
+            ""
+        },
+        or_unknown(position.map(|value| format!("{value:.3}"))),
+        or_unknown(speed.map(|value| format!("{value:.2}"))),
+        or_unknown(current.map(|value| format!("{value:.2}"))),
+        or_unknown(temperature.map(|value| value.to_string())),
+        or_unknown(faults.map(|value| format!("{value:#04x}"))),
+        or_unknown(age.map(|value| value.to_string())),
+    );
+}
