@@ -3,6 +3,7 @@
 pub mod arguments;
 mod certificate;
 mod service;
+mod socket;
 mod token;
 mod web;
 
@@ -27,7 +28,8 @@ const ENTRIES_MAX: usize = 64;
 /// Serves until Ctrl-C or a signal.
 ///
 /// # Errors
-/// The page is missing, the address is in use, the token or the certificate cannot be read, or the line cannot be opened.
+/// The page is missing, the address or the socket is in use, the token or the certificate cannot be read, or the line cannot
+/// be opened.
 pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
     let log = how.log.clone();
     let web = Web::prepare(how);
@@ -65,7 +67,7 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
     let viewers = Viewers::new(connection.driver.commander()).map_err(no_threads)?;
     let mut hub = Hub::new(viewers.clone(), Adapter::Serial(None));
     // It answers until the end of this function.
-    let (_server, links) = web.start(viewers.clone()).map_err(no_threads)?;
+    let (_running, links) = web.start(viewers.clone()).map_err(no_threads)?;
     links.into_iter().for_each(say);
     let mut service = Service::ready();
     loop {

@@ -14,6 +14,7 @@ use crate::{
     serve::{
         arguments::Serve,
         certificate::{certificate, local_names, names},
+        socket::{Running, Socket},
         token,
     },
 };
@@ -24,14 +25,15 @@ pub struct Web {
     site: Site,
     access: Access,
     tls: Option<Tls>,
+    socket: Option<Socket>,
     links: Vec<String>,
 }
 
 impl Web {
-    /// Reads the page, token and certificate, and listens.
+    /// Reads the page, token and certificate, and listens, at the socket too.
     ///
     /// # Errors
-    /// One of them is missing or wrong, or the address is in use.
+    /// One of them is missing or wrong, or the address or the socket is in use.
     pub fn prepare(how: Serve) -> Result<Self, Failure> {
         let site = Site::open(how.page).map_err(|error| Failure::Usage(error.to_string()))?;
         let site = match &how.log {
@@ -67,6 +69,7 @@ impl Web {
             None => vec![format!("Open {origin}/ on this computer. Ctrl-C ends.")],
             Some(token) => links(&origin, token, how.token_file.as_deref(), tls.is_some()),
         };
+        let socket = how.socket.as_deref().map(Socket::prepare).transpose()?;
         let mut known = how.names;
         // A name that others give this computer is safe where a token is needed.
         if token.is_some() {
@@ -82,6 +85,7 @@ impl Web {
             site,
             access,
             tls,
+            socket,
             links,
         })
     }
@@ -90,9 +94,11 @@ impl Web {
     ///
     /// # Errors
     /// The system gives no threads.
-    pub fn start(self, viewers: Viewers) -> io::Result<(Server, Vec<String>)> {
+    pub fn start(self, viewers: Viewers) -> io::Result<((Option<Running>, Server), Vec<String>)> {
+        let socket = self.socket.map(|socket| socket.start(viewers.clone()));
+        let socket = socket.transpose()?;
         let server = Server::start(self.listener, self.access, self.site, viewers, self.tls)?;
-        Ok((server, self.links))
+        Ok(((socket, server), self.links))
     }
 }
 
