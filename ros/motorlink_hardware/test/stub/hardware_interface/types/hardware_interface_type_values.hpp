@@ -1,0 +1,11 @@
+#ifndef STUB__HARDWARE_INTERFACE_TYPE_VALUES_HPP_
+#define STUB__HARDWARE_INTERFACE_TYPE_VALUES_HPP_
+
+namespace hardware_interface
+{
+constexpr char HW_IF_POSITION[] = "position";
+constexpr char HW_IF_VELOCITY[] = "velocity";
+constexpr char HW_IF_EFFORT[] = "effort";
+}  // namespace hardware_interface
+
+#endif  // STUB__HARDWARE_INTERFACE_TYPE_VALUES_HPP_
