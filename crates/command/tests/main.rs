@@ -5,6 +5,9 @@
 mod bad_input;
 mod bench;
 mod control;
+mod control_socket;
+#[path = "../../remote-server/tests/support/controller.rs"]
+mod controller;
 mod doctor;
 mod drop_in;
 mod example;
@@ -14,6 +17,7 @@ mod models;
 mod program;
 mod replay;
 mod ros2_files;
+mod ros2_plugin;
 mod serial_port;
 mod serve;
 mod session_files;

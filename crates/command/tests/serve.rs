@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use crate::bench::{Said, signal};
 
 /// A folder with a page of two lines.
-fn page() -> tempfile::TempDir {
+pub fn page() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let index = "<html lang=\"en\"><meta name=\"motorlink-worker\" content=\"./a.js\">\
                  <meta name=\"motorlink-remote\" content=\"./b.js\">";

@@ -115,9 +115,9 @@ fn why_stopped(reason: StopReason) -> Option<&'static str> {
         StopReason::PageSilent => {
             Some("all motors are stopped: this program did not run for a second.")
         }
-        StopReason::OperatorLost => {
-            Some("all motors are stopped: the page that drove lost or gave up control.")
-        }
+        StopReason::OperatorLost => Some(
+            "all motors are stopped: the page or controller that drove lost or gave up control.",
+        ),
         StopReason::ComputerSlept => Some("all motors are stopped: the computer slept."),
         StopReason::LoopDelayed => {
             Some("all motors are stopped: this computer was too busy to drive them.")

@@ -2,6 +2,7 @@
 
 mod acts;
 mod controllers;
+mod controlling;
 
 use std::{
     collections::BTreeMap,

@@ -21,6 +21,7 @@ use tokio::{
 };
 
 use super::{
+    bytes,
     line::{Line, Measured, Motor},
     messages::{self, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Wrong},
     text,
@@ -72,7 +73,7 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, is_there: bool) 
         }
         Err(wrong) => {
             viewers.log(format!("a client of the socket was refused: {wrong}"));
-            refuse(read, write, &messages::error(wrong)).await;
+            refuse(read, write, &bytes::error(wrong)).await;
         }
     }
 }
@@ -103,12 +104,12 @@ async fn greet(
     let mut rest = [0; messages::HELLO - 1];
     let received = timeout(PATIENCE, read.read_exact(&mut rest)).await;
     // Also to a client of another version: it sees which one this is.
-    let hello = messages::hello();
+    let hello = bytes::hello();
     let _ = timeout(PATIENCE, write.write_all(&hello)).await;
     if !matches!(received, Ok(Ok(_))) {
         return Err(Wrong::Silent);
     }
-    messages::check_hello(&[&[first], &rest[..]].concat())?;
+    bytes::check_hello(&[&[first], &rest[..]].concat())?;
     is_there.then_some(()).ok_or(Wrong::TooMany)
 }
 
@@ -168,7 +169,7 @@ async fn receive(
         if count > RATE_MAX {
             return Err(Wrong::Floods);
         }
-        match messages::decode(&bytes)? {
+        match bytes::decode(&bytes)? {
             FromClient::Arm(order) => viewers.arm(viewer, &order),
             FromClient::Setpoints(order) => viewers.setpoints(viewer, &order),
             FromClient::Disarm => viewers.disarm(viewer),
@@ -192,7 +193,7 @@ async fn send(
         let own = told.own.borrow_and_update().clone();
         let line = Arc::clone(&told.line.borrow_and_update());
         let sent = tokio::time::Instant::now();
-        let state = messages::encode(&state(viewer, &own, &line));
+        let state = bytes::encode(&state(viewer, &own, &line));
         if !matches!(timeout(PATIENCE, write.write_all(&state)).await, Ok(Ok(()))) {
             return;
         }
@@ -206,7 +207,7 @@ async fn send(
         };
         if let Some(ended) = wrong {
             if let Ok(wrong) = ended {
-                let _ = timeout(PATIENCE, write.write_all(&messages::error(wrong))).await;
+                let _ = timeout(PATIENCE, write.write_all(&bytes::error(wrong))).await;
             }
             return;
         }

@@ -5,14 +5,16 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `messages` | the bytes, in both directions |
+//! | `messages` | what is sent, in both directions |
+//! | `bytes` | the bytes of it |
 //! | `line` | the newest state of each motor, from the entries of the driver |
 //! | `connection` | the connection of one client |
 //! | `text` | the text form |
 //! | `listener` | the file of the socket, and who is let in |
 //!
-//! What a controller may do is decided in `viewers/controllers.rs`, where the lease is locked.
+//! What a controller may do is decided in `viewers/controlling.rs`, where the lease is locked.
 
+mod bytes;
 #[cfg(unix)]
 mod connection;
 mod line;

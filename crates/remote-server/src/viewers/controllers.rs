@@ -1,15 +1,14 @@
-//! What the controllers on the socket may do. They hold the same lease as the pages.
+//! The controllers on the socket, and what becomes of what one of them drives.
 
-use std::{collections::BTreeMap, f64::consts::TAU, sync::Arc};
+use std::{collections::BTreeMap, f64::consts::TAU};
 
-use motorlink_bus::{Activity, Command, Consent, GroupSetpoints, Limits, MotorStatus, StopReason};
+use motorlink_bus::{Activity, Command, Limits, MotorStatus};
 use motorlink_driver::Status;
-use motorlink_protocol::{Instant, MotorId, Setpoint, SpeedTarget, family::Model};
-use motorlink_remote::{Ended, Participant, Stamp, Taken, ViewerId};
+use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
+use motorlink_remote::{Ended, ViewerId};
 use tokio::sync::watch;
 
-use super::{State, Viewers};
-use crate::control_socket::{DriveState, EndReason, Line, NotArmed, Order};
+use crate::control_socket::{DriveState, EndReason, NotArmed};
 
 /// What one controller is told beside the state of the motors.
 #[derive(Clone, Debug, Default)]
@@ -27,23 +26,24 @@ pub(crate) struct Own {
 
 /// The controllers, and what one of them drives.
 pub(super) struct Controllers {
-    list: BTreeMap<ViewerId, Controller>,
+    pub(super) list: BTreeMap<ViewerId, Controller>,
     /// How often a drive has begun or was ended here.
-    changes: u32,
+    pub(super) changes: u32,
     /// Who has armed them and holds the lease.
-    armed: Option<ViewerId>,
+    pub(super) armed: Option<ViewerId>,
     /// Why the drive may have ended, by the first event that tells it.
-    may_end: EndReason,
+    pub(super) may_end: EndReason,
     limits: Limits,
     /// The greatest speed of the model; none is known before the first state of the driver.
     rpm_max: u16,
 }
 
-struct Controller {
-    own: watch::Sender<Own>,
-    sequence: u32,
+pub(super) struct Controller {
+    pub(super) own: watch::Sender<Own>,
+    /// The number of its newest setpoints.
+    pub(super) sequence: u32,
     /// The setpoints that the bus has.
-    given: Vec<(MotorId, Setpoint)>,
+    pub(super) given: Vec<(MotorId, Setpoint)>,
 }
 
 impl Default for Controllers {
@@ -133,8 +133,54 @@ impl Controllers {
         }
     }
 
+    /// The drive may have ended for this reason. `of`: only if it is that of this motor.
+    pub(super) fn drive_may_end(&mut self, of: Option<MotorId>, why: EndReason) {
+        let armed = self.armed.and_then(|armed| self.list.get(&armed));
+        let concerns = armed.is_some_and(|controller| {
+            let own = controller.own.borrow();
+            own.is_alive() && of.is_none_or(|id| own.motors.contains(&id))
+        });
+        if concerns && self.may_end == EndReason::None {
+            self.may_end = why;
+        }
+    }
+
+    /// Follows what the bus does, by a state that was asked for after so many `changes`. Returns motors that may be driven
+    /// although their drive has ended.
+    pub(super) fn judge(&mut self, changes: u32, status: &Status, model: Model) -> Vec<MotorId> {
+        self.rpm_max = model.spec().speed_rpm_max;
+        let mut stopped = Vec::new();
+        if self.changes != changes {
+            return stopped;
+        }
+        for controller in self.list.values_mut() {
+            // The bus has refused a setpoint, or has not heard of it yet: the next one is given, whatever it is.
+            let has = |(id, setpoint): &(MotorId, Setpoint)| {
+                let setpoint = *setpoint;
+                let motor = status.motor(*id);
+                motor.is_some_and(|motor| motor.activity == Activity::Driven { setpoint })
+            };
+            if !controller.given.iter().all(has) {
+                controller.given.clear();
+            }
+            let may_end = self.may_end;
+            controller.own.send_if_modified(|own| {
+                let (before, was_alive) = (own.drive, own.is_alive());
+                let motors: Vec<_> = own.motors.iter().map(|id| status.motor(*id)).collect();
+                own.judge(&motors, may_end);
+                if was_alive && !own.is_alive() {
+                    let motors = motors.iter().flatten();
+                    let may_drive = motors.filter(|motor| is_driven(motor) || is_starting(motor));
+                    stopped.extend(may_drive.map(|motor| motor.id));
+                }
+                before != own.drive
+            });
+        }
+        stopped
+    }
+
     /// A speed in the limits of operator and model, at the resolution of the motors.
-    fn target(&self, rad_per_s: f32) -> SpeedTarget {
+    pub(super) fn target(&self, rad_per_s: f32) -> SpeedTarget {
         let max = f64::from(self.limits.speed_rpm().min(self.rpm_max));
         let rpm = (f64::from(rad_per_s) * 60.0 / TAU).clamp(-max, max).round();
         #[expect(clippy::cast_possible_truncation, reason = "a speed within the limits")]
@@ -144,7 +190,7 @@ impl Controllers {
 
 impl Own {
     /// Whether its motors are driven, or will be.
-    const fn is_alive(&self) -> bool {
+    pub(super) const fn is_alive(&self) -> bool {
         matches!(self.drive, DriveState::Starting | DriveState::Driven)
     }
 
@@ -192,248 +238,5 @@ fn standing(motors: &[Option<&MotorStatus>]) -> DriveState {
         DriveState::Stands
     } else {
         DriveState::NotConfirmed
-    }
-}
-
-impl State {
-    /// Takes control and starts these motors at 0 rpm.
-    fn arm(&mut self, now: Instant, viewer: ViewerId, order: &Order) -> Result<(), NotArmed> {
-        if order.speeds.iter().any(|(_, speed)| *speed != 0.0) {
-            return Err(NotArmed::NotZero);
-        }
-        let operator = self.control.operator();
-        let holds = operator.is_some_and(|(_, epoch)| self.control.holds(now, viewer, epoch));
-        let is_alive = |it: &Controller| it.own.borrow().is_alive();
-        if holds && self.controllers.list.get(&viewer).is_some_and(is_alive) {
-            return Err(NotArmed::StillDriven);
-        }
-        let zero = Setpoint::velocity(SpeedTarget::ZERO);
-        let given: Vec<_> = order.speeds.iter().map(|(id, _)| (*id, zero)).collect();
-        let setpoints = GroupSetpoints::new(&given).map_err(|_| NotArmed::Late)?;
-        let taken = self.control.arm(now, viewer, order.challenge);
-        match taken.map_err(|_| NotArmed::Late)? {
-            Taken::Granted(ended) => self.stop_after(ended),
-            Taken::Held => {}
-            Taken::Asked => {
-                self.tell_control();
-                let operator = self.control.operator();
-                let is_socket = operator.is_some_and(|(holder, _)| self.controllers.has(holder));
-                return Err(if is_socket {
-                    NotArmed::OtherHasControl
-                } else {
-                    NotArmed::PageHasControl
-                });
-            }
-        }
-        // The start is an explicit act, so it releases an earlier stop.
-        self.commander.command(Command::Release);
-        self.commander.command(Command::StartGroup {
-            setpoints,
-            consent: Consent::None,
-        });
-        let controllers = &mut self.controllers;
-        controllers.changes += 1;
-        controllers.armed = Some(viewer);
-        controllers.may_end = EndReason::None;
-        if let Some(controller) = controllers.list.get_mut(&viewer) {
-            controller.own.send_modify(|own| {
-                own.motors = given.iter().map(|(id, _)| *id).collect();
-                (own.drive, own.ended) = (DriveState::Starting, EndReason::None);
-            });
-            controller.given = given;
-        }
-        self.tell_control();
-        Ok(())
-    }
-
-    /// Gives new setpoints to the bus, if this controller drives.
-    fn setpoints(&mut self, now: Instant, viewer: ViewerId, order: &Order) {
-        let operator = self.control.operator();
-        let Some((_, epoch)) = operator.filter(|(holder, _)| *holder == viewer) else {
-            return;
-        };
-        let Some(controller) = self.controllers.list.get_mut(&viewer) else {
-            return;
-        };
-        let own = controller.own.borrow().clone();
-        let ids = order.speeds.iter().map(|(id, _)| *id);
-        if own.is_alive() {
-            let wrong = if !order.speeds.iter().all(|(_, speed)| speed.is_finite()) {
-                Some(EndReason::NotFinite)
-            } else if !ids.eq(own.motors.iter().copied()) {
-                Some(EndReason::OtherMotors)
-            } else {
-                None
-            };
-            if let Some(why) = wrong {
-                self.controllers.drive_ended(why);
-                self.disarm(viewer);
-                return;
-            }
-        }
-        controller.sequence += 1;
-        let stamp = Stamp {
-            epoch,
-            sequence: controller.sequence,
-            challenge: order.challenge,
-        };
-        let done = self.control.act(now, viewer, stamp, true);
-        // While the motors are stopped or switched first, a zero would end their start.
-        if done.is_err() || own.drive != DriveState::Driven {
-            return;
-        }
-        let given: Vec<_> = order
-            .speeds
-            .iter()
-            .map(|(id, speed)| (*id, Setpoint::velocity(self.controllers.target(*speed))))
-            .collect();
-        // A zero that is only repeated would cut the replies of other motors short.
-        let Some(controller) = self.controllers.list.get_mut(&viewer) else {
-            return;
-        };
-        if controller.given != given
-            && let Ok(setpoints) = GroupSetpoints::new(&given)
-        {
-            controller.given = given;
-            self.commander.command(Command::AdjustGroup {
-                setpoints,
-                consent: Consent::None,
-            });
-        }
-    }
-
-    /// Stops what this controller drives, and gives up its control.
-    fn disarm(&mut self, viewer: ViewerId) {
-        let ended = self.control.give_up(viewer);
-        self.stop_after(ended);
-        self.tell_control();
-    }
-}
-
-impl Viewers {
-    /// A controller has connected. Returns nothing if there are too many.
-    pub(crate) fn join_controller(&self) -> Option<(ViewerId, watch::Receiver<Own>)> {
-        let mut state = self.state();
-        let now = state.clock.now();
-        let viewer = state.control.join(now, Participant::Controller)?;
-        let (own, told) = watch::channel(Own::default());
-        let controller = Controller {
-            own,
-            sequence: 0,
-            given: Vec::new(),
-        };
-        state.controllers.list.insert(viewer, controller);
-        let operator = state.control.operator();
-        let operator = operator.map(|(holder, _)| holder);
-        state.controllers.tell_operator(operator);
-        Some((viewer, told))
-    }
-
-    /// The controller asks for control, and starts its motors at 0 rpm.
-    pub(crate) fn arm(&self, viewer: ViewerId, order: &Order) {
-        let mut state = self.state();
-        let now = state.clock.now();
-        state.control.answer(now, viewer, order.challenge);
-        let armed = state.arm(now, viewer, order);
-        if let Some(controller) = state.controllers.list.get(&viewer) {
-            let arm = (order.number, armed.err());
-            controller.own.send_modify(|own| own.arm = arm);
-        }
-    }
-
-    /// Setpoints, which answer a challenge too.
-    pub(crate) fn setpoints(&self, viewer: ViewerId, order: &Order) {
-        let mut state = self.state();
-        let now = state.clock.now();
-        state.control.answer(now, viewer, order.challenge);
-        state.setpoints(now, viewer, order);
-    }
-
-    pub(crate) fn disarm(&self, viewer: ViewerId) {
-        self.state().disarm(viewer);
-    }
-
-    /// A client of the text form stops all motors, as a page that watches does.
-    pub(crate) fn stop_all(&self) {
-        let mut state = self.state();
-        let now = state.clock.now();
-        let stop = Command::StopAll(StopReason::Operator);
-        state.commander.command(stop);
-        state.control.stopped_by_other(now);
-        state.controllers.stopped_by(stop);
-    }
-
-    /// Who has control, as a text shows it.
-    pub(crate) fn operator_name(&self) -> String {
-        let state = self.state();
-        let operator = state.control.operator();
-        let named = operator.and_then(|(holder, _)| state.named(holder));
-        named.map_or_else(
-            || "nobody".to_owned(),
-            |viewer| format!("viewer {} ({})", viewer.number, viewer.address),
-        )
-    }
-
-    /// How often the drives of controllers have changed, for [`Self::judge`].
-    pub(crate) fn drive_changes(&self) -> u32 {
-        self.state().controllers.changes
-    }
-
-    /// The drive of a controller may have ended for this reason. `of`: only if it is that of this motor.
-    pub(crate) fn drive_may_end(&self, of: Option<MotorId>, why: EndReason) {
-        let mut state = self.state();
-        let controllers = &mut state.controllers;
-        let armed = controllers
-            .armed
-            .and_then(|armed| controllers.list.get(&armed));
-        let concerns = armed.is_some_and(|controller| {
-            let own = controller.own.borrow();
-            own.is_alive() && of.is_none_or(|id| own.motors.contains(&id))
-        });
-        if concerns && controllers.may_end == EndReason::None {
-            controllers.may_end = why;
-        }
-    }
-
-    /// Follows what the bus does. `status` was asked for after `changes` was read, so it shows what followed from them.
-    pub(crate) fn judge(&self, changes: u32, status: &Status, model: Model) {
-        let mut state = self.state();
-        let controllers = &mut state.controllers;
-        controllers.rpm_max = model.spec().speed_rpm_max;
-        if controllers.changes != changes {
-            return;
-        }
-        let mut stopped = Vec::new();
-        for controller in controllers.list.values() {
-            controller.own.send_if_modified(|own| {
-                let before = (own.drive, own.is_alive());
-                let motors: Vec<_> = own.motors.iter().map(|id| status.motor(*id)).collect();
-                own.judge(&motors, controllers.may_end);
-                if before.1 && !own.is_alive() {
-                    let motors = motors.iter().flatten();
-                    let may_drive = motors.filter(|motor| is_driven(motor) || is_starting(motor));
-                    stopped.extend(may_drive.map(|motor| motor.id));
-                }
-                before.0 != own.drive
-            });
-        }
-        // The bus has stopped them as one. This makes sure of it: nobody gives them setpoints any more.
-        for id in stopped {
-            state.commander.command(Command::Stop(id));
-        }
-    }
-
-    /// Whether a client of the socket is there.
-    pub(crate) fn has_clients(&self) -> bool {
-        self.0.line.receiver_count() > 0
-    }
-
-    /// The newest state of the line, for the clients of the socket.
-    pub(crate) fn line(&self) -> watch::Receiver<Arc<Line>> {
-        self.0.line.subscribe()
-    }
-
-    pub(crate) fn tell_line(&self, line: Arc<Line>) {
-        self.0.line.send_replace(line);
     }
 }

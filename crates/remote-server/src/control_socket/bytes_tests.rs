@@ -1,6 +1,7 @@
 //! The bytes of the messages, as docs/socket.md has them.
 
 use super::*;
+use crate::control_socket::messages::{DriveState, EndReason, NotArmed};
 
 /// ARM or SETPOINTS of motors 1 and 5 with 1.5 and -2 rad/s, number 7, challenge 0x0102030405060708.
 fn order_bytes(kind: u8) -> [u8; FROM_CLIENT] {
