@@ -17,7 +17,7 @@ use rustix::process::Signal;
 
 use crate::{
     bench::{Bench, Said, signal},
-    controller::{Controller, STANDS, ask},
+    controller::{Controller, STANDS, State, ask},
     serve::page,
 };
 
@@ -122,7 +122,7 @@ fn hang_and_die() {
     // Another one drives at once; the one that hung has nothing to say.
     let mut next = driving(&served);
     drop(hung);
-    next.drive(&FAST, "a moment", |state| state.is_armed());
+    next.drive(&FAST, "a moment", State::is_armed);
     drop(next);
     let after_kill = until_it_stands(&mut bench);
     assert!(

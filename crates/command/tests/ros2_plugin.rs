@@ -1,5 +1,5 @@
 //! The plugin of `ros/motorlink_hardware` without ROS: its own sources, compiled with stand-ins for the headers of
-//! ros2_control, drive virtual motors through a server.
+//! `ros2_control`, drive virtual motors through a server.
 
 use std::{
     io::{BufRead, BufReader, Write},

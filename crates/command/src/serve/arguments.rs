@@ -32,7 +32,7 @@ pub struct Serve {
     /// oldest are removed above 2 GB
     #[arg(long, value_name = "FOLDER")]
     pub log: Option<PathBuf>,
-    /// Unix socket at which a controller on this computer drives the motors, such as ros2_control. Its owner and its group
+    /// Unix socket at which a controller on this computer drives the motors, such as one of ROS 2. Its owner and its group
     /// may use it: see docs/socket.md
     #[arg(long, value_name = "PATH")]
     pub socket: Option<PathBuf>,

@@ -67,8 +67,8 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
     let viewers = Viewers::new(connection.driver.commander()).map_err(no_threads)?;
     let mut hub = Hub::new(viewers.clone(), Adapter::Serial(None));
     // It answers until the end of this function.
-    let (_running, links) = web.start(viewers.clone()).map_err(no_threads)?;
-    links.into_iter().for_each(say);
+    let started = web.start(viewers.clone()).map_err(no_threads)?;
+    started.links.iter().for_each(say);
     let mut service = Service::ready();
     loop {
         let wait = hub.turn(&connection.driver);

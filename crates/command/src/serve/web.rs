@@ -29,6 +29,14 @@ pub struct Web {
     links: Vec<String>,
 }
 
+/// A web server that answers until it is dropped.
+pub struct Started {
+    /// What a person opens.
+    pub links: Vec<String>,
+    _socket: Option<Running>,
+    _server: Server,
+}
+
 impl Web {
     /// Reads the page, token and certificate, and listens, at the socket too.
     ///
@@ -90,15 +98,17 @@ impl Web {
         })
     }
 
-    /// Starts the server. Returns what a person opens too.
+    /// Starts the server and the socket.
     ///
     /// # Errors
     /// The system gives no threads.
-    pub fn start(self, viewers: Viewers) -> io::Result<((Option<Running>, Server), Vec<String>)> {
+    pub fn start(self, viewers: Viewers) -> io::Result<Started> {
         let socket = self.socket.map(|socket| socket.start(viewers.clone()));
-        let socket = socket.transpose()?;
-        let server = Server::start(self.listener, self.access, self.site, viewers, self.tls)?;
-        Ok(((socket, server), self.links))
+        Ok(Started {
+            _socket: socket.transpose()?,
+            _server: Server::start(self.listener, self.access, self.site, viewers, self.tls)?,
+            links: self.links,
+        })
     }
 }
 

@@ -22,16 +22,13 @@ use tokio::{
 
 use super::{
     bytes,
-    line::{Line, Measured, Motor},
+    line::{Line, Measured, Motor, RAD_PER_S},
     messages::{self, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Wrong},
+    refusal::{PATIENCE, refuse},
     text,
 };
 use crate::viewers::{Own, Viewers};
 
-/// How long a client may take for its first bytes, and to take a message. One that takes longer has gone.
-pub(super) const PATIENCE: Duration = Duration::from_secs(5);
-/// How long a refusal may take.
-const REFUSAL_MAX: Duration = Duration::from_millis(500);
 /// The shortest time between two states, and the longest.
 const STATE_MIN: Duration = Duration::from_millis(1);
 const STATE_MAX: Duration = Duration::from_millis(10);
@@ -76,22 +73,6 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, is_there: bool) 
             refuse(read, write, &bytes::error(wrong)).await;
         }
     }
-}
-
-/// Says why the connection is closed. What the client has sent is taken: otherwise the system resets the connection.
-pub(super) async fn refuse(mut read: OwnedReadHalf, mut write: OwnedWriteHalf, why: &[u8]) {
-    let said = async {
-        // It may have gone.
-        let _ = write.write_all(why).await;
-        let _ = write.shutdown().await;
-        let mut bytes = [0; 256];
-        for _ in 0..16 {
-            if !matches!(read.read(&mut bytes).await, Ok(1..)) {
-                return;
-            }
-        }
-    };
-    let _ = timeout(REFUSAL_MAX, said).await;
 }
 
 /// Reads the hello of a client, and answers it.
@@ -278,9 +259,6 @@ fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
             .and_then(|(at, celsius)| Some((f32::from(celsius.degrees()), age(at)?))),
     }
 }
-
-/// One revolution a minute.
-pub(super) const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
 
 fn fresh<T: Copy>(value: Measured<T>, is_fresh: impl Fn(Instant) -> bool) -> Measured<T> {
     value.filter(|(at, _)| is_fresh(*at))

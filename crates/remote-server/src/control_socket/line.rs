@@ -16,6 +16,8 @@ use crate::viewers::Viewers;
 /// How often the driver is asked what it does with the motors, while a client is there. An event asks at once.
 const ASK_EVERY: Duration = Duration::from_millis(10);
 
+/// One revolution a minute, in rad/s.
+pub(super) const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
 /// One step of the angle in the reply to a query, in turns, and what is rounded beside it.
 const COARSE_TURNS: f64 = 1.2 / 255.0;
 /// How long a fine angle counts more than a coarse one: ten drive frames.

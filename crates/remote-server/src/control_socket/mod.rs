@@ -9,6 +9,7 @@
 //! | `bytes` | the bytes of it |
 //! | `line` | the newest state of each motor, from the entries of the driver |
 //! | `connection` | the connection of one client |
+//! | `refusal` | why a connection is closed |
 //! | `text` | the text form |
 //! | `listener` | the file of the socket, and who is let in |
 //!
@@ -21,6 +22,8 @@ mod line;
 #[cfg(unix)]
 mod listener;
 mod messages;
+#[cfg(unix)]
+mod refusal;
 #[cfg(unix)]
 mod text;
 

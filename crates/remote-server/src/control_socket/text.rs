@@ -11,9 +11,9 @@ use tokio::{
 };
 
 use super::{
-    connection::{PATIENCE, RAD_PER_S, refuse},
-    line::{Line, Motor},
+    line::{Line, Motor, RAD_PER_S},
     messages::Wrong,
+    refusal::{PATIENCE, refuse},
 };
 use crate::viewers::Viewers;
 
