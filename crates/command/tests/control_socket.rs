@@ -17,7 +17,7 @@ use rustix::process::Signal;
 
 use crate::{
     bench::{Bench, Said, signal},
-    controller::{Controller, STANDS, State, ask},
+    controller::{Controller, NOT_CONFIRMED, STANDS, State, ask},
     serve::page,
 };
 
@@ -200,6 +200,54 @@ fn compare_positions() {
             assert!(error.abs() < 0.5, "{error} degrees");
         }
     }
+}
+
+#[test]
+fn a_motor_that_falls_silent_ends_the_drive_of_both_and_is_named() {
+    attempts(fall_silent);
+}
+
+fn fall_silent() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let served = Served::start(&bench);
+    let mut controller = driving(&served);
+    bench.motors.command("mute 2 on");
+    controller.drive(&FAST, "the end", |state| state.ended() != 0);
+    assert_eq!(controller.state.ended(), 7);
+    controller.drive(&FAST, "the end of the stop", |state| {
+        state.drive() == NOT_CONFIRMED
+    });
+    assert!(bench.stands());
+    bench.motors.command("mute 2 off");
+    controller.drive(&FAST, "standing wheels", |state| state.drive() == STANDS);
+    controller.start(&[1, 2]);
+}
+
+#[test]
+fn an_adapter_that_is_pulled_out_ends_the_drive_and_its_return_starts_nothing() {
+    attempts(pull_out);
+}
+
+fn pull_out() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let served = Served::start(&bench);
+    let mut controller = driving(&served);
+    bench.motors.command("unplug");
+    controller.drive(&FAST, "the end", |state| state.ended() != 0);
+    assert_eq!(controller.state.ended(), 13);
+    let began = Instant::now();
+    controller.drive(&FAST, "a moment", |state| {
+        assert_eq!(state.drive(), NOT_CONFIRMED);
+        began.elapsed() > Duration::from_millis(300)
+    });
+    assert!(!bench.stands(), "the motors keep their last command");
+    bench.motors.command("plug");
+    controller.drive(&FAST, "standing wheels", |state| state.drive() == STANDS);
+    let began = Instant::now();
+    controller.drive(&FAST, "a moment", |_| {
+        began.elapsed() > Duration::from_millis(300)
+    });
+    assert!(bench.stands());
 }
 
 fn refused(path: &Path, says: &str) {

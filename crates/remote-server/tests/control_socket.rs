@@ -409,6 +409,14 @@ fn the_text_form_shows_motors_and_who_has_control() {
     );
     assert!(said.contains(" degC, faults 0x00, reply "), "{said}");
     assert!(ask(&server.path, "help\n").contains("docs/socket.md"));
+    // A state of its time, though nobody was there meanwhile.
+    assert!(ask(&server.path, "stop\n").contains("being stopped"));
+    sleep(Duration::from_millis(200));
+    let said = ask(&server.path, "state\n");
+    assert!(
+        said.starts_with("control: nobody, all motors stopped\n"),
+        "{said}"
+    );
     let mut controller = server.driving();
     let mut watch = UnixStream::connect(&server.path).unwrap();
     watch.write_all(b"watch\n").unwrap();

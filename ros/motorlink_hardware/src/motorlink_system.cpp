@@ -273,11 +273,12 @@ CallbackReturn MotorLinkSystem::on_shutdown(const rclcpp_lifecycle::State &)
 bool MotorLinkSystem::stop_and_wait()
 {
   is_active_ = false;
-  const bool has_driven =
-    client_.state() && client_.state()->drive != Drive::NONE &&
-    client_.state()->drive != Drive::STANDS;
-  if (client_.is_connected() && !has_driven) {
-    return true;
+  if (client_.is_connected()) {
+    const State & state = *client_.state();
+    const bool stands = state.drive == Drive::NONE || state.drive == Drive::STANDS;
+    if (stands && !state.armed) {
+      return true;
+    }
   }
   client_.disarm();
   const auto until = std::chrono::steady_clock::now() + stop_within_;

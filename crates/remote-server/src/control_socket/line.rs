@@ -151,8 +151,15 @@ impl Feed {
 
     /// Does what is due.
     pub(crate) fn turn(&mut self, driver: &Driver) {
+        if !self.viewers.has_clients() {
+            // The next client waits for a state of its time.
+            if self.line.clock.take().is_some() {
+                self.viewers.tell_line(Arc::default());
+            }
+            return;
+        }
         let now = Moment::now();
-        if !self.viewers.has_clients() || (!self.is_due && now < self.asked + ASK_EVERY) {
+        if !self.is_due && now < self.asked + ASK_EVERY && self.line.clock.is_some() {
             return;
         }
         let changes = self.viewers.drive_changes();

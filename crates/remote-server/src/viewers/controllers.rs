@@ -96,14 +96,14 @@ impl Controllers {
     pub(super) fn drive_ended(&mut self, why: EndReason) {
         let armed = self.armed.and_then(|armed| self.list.get(&armed));
         if let Some(controller) = armed {
-            self.changes += 1;
-            controller.own.send_if_modified(|own| {
+            let has_ended = controller.own.send_if_modified(|own| {
                 let is_alive = own.is_alive();
                 if is_alive {
                     (own.drive, own.ended) = (DriveState::Stopping, why);
                 }
                 is_alive
             });
+            self.changes += u32::from(has_ended);
         }
     }
 

@@ -19,6 +19,7 @@ pub const STARTING: u8 = 1;
 pub const DRIVEN: u8 = 2;
 pub const STOPPING: u8 = 3;
 pub const STANDS: u8 = 4;
+pub const NOT_CONFIRMED: u8 = 5;
 
 /// A state, as it came.
 #[derive(Clone)]
