@@ -11,11 +11,12 @@
 //!
 //! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
-mod access;
-#[cfg_attr(
+#![cfg_attr(
     not(unix),
-    allow(dead_code, reason = "no socket is there to be served")
+    allow(dead_code, unused_imports, reason = "there is no socket to be served")
 )]
+
+mod access;
 mod control_socket;
 mod foxglove;
 mod hub;
