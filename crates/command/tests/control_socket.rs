@@ -7,7 +7,6 @@ use std::{
         fs::{FileTypeExt, PermissionsExt},
         net::UnixListener,
     },
-    panic::catch_unwind,
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
@@ -17,24 +16,12 @@ use rustix::process::Signal;
 
 use crate::{
     bench::{Bench, Said, signal},
-    controller::{Controller, NOT_CONFIRMED, STANDS, State, ask},
+    controller::{Controller, NOT_CONFIRMED, STANDS, State, ask, attempts},
     serve::page,
 };
 
 /// 10 rad/s, about 95 rpm: the second wheel is mirrored by the client.
 pub const FAST: [(u8, f32); 2] = [(1, 10.0), (2, -10.0)];
-
-/// On a busy machine, the 100 ms of a controller are over before its test has run, and the wheels rightly stop. So a test
-/// gets another attempt, at most three in all.
-pub fn attempts(drive: fn()) {
-    for attempt in 1..3 {
-        if catch_unwind(drive).is_ok() {
-            return;
-        }
-        println!("attempt {attempt} of 3 failed");
-    }
-    drive();
-}
 
 /// A server with a socket, at the port of a bench.
 pub struct Served {

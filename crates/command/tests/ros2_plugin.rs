@@ -17,8 +17,8 @@ use rustix::process::Signal;
 
 use crate::{
     bench::{Bench, signal},
-    control_socket::{Served, attempts, until_it_stands},
-    controller::{Controller, HELLO},
+    control_socket::{Served, until_it_stands},
+    controller::{Controller, HELLO, attempts},
 };
 
 /// A busy machine is slow.
