@@ -205,6 +205,11 @@ fn fall_silent() {
         state.drive() == NOT_CONFIRMED
     });
     assert!(bench.stands());
+    assert!(controller.state.velocity(2).is_nan(), "its last one is old");
+    let said = ask(&served.socket, "state\n");
+    let mut lines = said.lines();
+    let of_muted = lines.find(|line| line.starts_with("motor 2 "));
+    assert!(of_muted.unwrap().contains(", ? rad/s, ? A,"), "{said}");
     bench.motors.command("mute 2 off");
     controller.drive(&FAST, "standing wheels", |state| state.drive() == STANDS);
     controller.start(&[1, 2]);

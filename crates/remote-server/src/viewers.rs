@@ -66,6 +66,8 @@ struct State {
     notices: BTreeMap<ViewerId, Vec<Notice>>,
     /// The pages without the lease that have stopped something lately, and when.
     stopped: BTreeMap<ViewerId, Instant>,
+    /// Whether a person has stopped all motors, and nobody has released them since. A program does not.
+    is_stopped_by_person: bool,
     /// Lines for the log of the server.
     log: Vec<String>,
     /// Whether a page waits for a state.
@@ -117,6 +119,7 @@ impl Viewers {
             controllers: Controllers::default(),
             notices: BTreeMap::new(),
             stopped: BTreeMap::new(),
+            is_stopped_by_person: false,
             log: Vec::new(),
             has_new: false,
             told: (None, None),

@@ -255,12 +255,37 @@ fn a_watcher_stops_the_wheel_and_later_setpoints_start_nothing() {
                 assert!(state.velocity(1).abs() < 0.2 && state.is_halted());
                 began.elapsed() > Duration::from_millis(500)
             });
-            // It has kept its control, and an explicit act starts the wheel.
+            // It has kept its control, but a person has to release the wheel.
             assert!(controller.state.is_armed());
+            assert_eq!(controller.arm(&[1]), 6);
+            assert!(ask(&server.path, "release\n").contains("may start"));
             controller.start(&[1]);
             controller.disarm();
             controller.wait("a standing wheel", |state| state.drive() == STANDS);
         }
+    });
+}
+
+#[test]
+fn what_a_person_has_stopped_is_released_on_a_page() {
+    attempts(|| {
+        let server = Server::start();
+        let mut page = server.page();
+        page.take_control();
+        page.act(Command::StopAll(StopReason::Operator));
+        page.wait("a halt", Page::is_halted);
+        page.send(&ToServer::GiveUp);
+        page.wait("the end of control", |page| page.epoch.is_none());
+        let mut controller = server.controller();
+        assert_eq!(controller.arm(&[1]), 6);
+        page.take_control();
+        page.act(Command::Release);
+        page.wait("the release", |page| !page.is_halted());
+        page.send(&ToServer::GiveUp);
+        page.wait("the end of control", |page| page.epoch.is_none());
+        controller.start(&[1]);
+        controller.disarm();
+        controller.wait("a standing wheel", |state| state.drive() == STANDS);
     });
 }
 
@@ -438,6 +463,7 @@ fn the_text_form_shows_motors_and_who_has_control() {
             said.starts_with("control: nobody, all motors stopped\n"),
             "{said}"
         );
+        ask(&server.path, "release\n");
         let mut controller = server.driving();
         let mut watch = UnixStream::connect(&server.path).unwrap();
         watch.write_all(b"watch\n").unwrap();

@@ -14,7 +14,7 @@ pub const LEASE: Duration = Duration::from_millis(400);
 /// How often each page is challenged: a lease survives three lost answers.
 pub const CHALLENGES_EVERY: Duration = Duration::from_millis(100);
 /// How long the lease of a controller lasts. It is on the same computer and answers with each setpoint: a controller of
-/// 50 Hz may miss four. It is half of the time after which a silent motor is stopped.
+/// 50 Hz may miss three. It is half of the time after which a silent motor is stopped.
 pub const CONTROLLER_LEASE: Duration = Duration::from_millis(100);
 /// How often each controller is challenged, so that its answers are new.
 pub const CONTROLLER_CHALLENGES_EVERY: Duration = Duration::from_millis(10);
@@ -286,7 +286,7 @@ impl Control {
         self.end_if_held(viewer, Ended::GivenUp)
     }
 
-    /// A viewer without the lease has stopped motors. What the operator did before it knew that starts none.
+    /// A viewer without the lease has stopped motors. An act whose challenge is older than this stop starts none.
     pub const fn stopped_by_other(&mut self, now: Instant) {
         self.stopped = Some(now);
     }

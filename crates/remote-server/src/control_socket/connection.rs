@@ -22,7 +22,7 @@ use tokio::{
 
 use super::{
     bytes,
-    line::{Line, Measured, Motor, RAD_PER_S},
+    line::{Line, Motor, RAD_PER_S, fresh},
     messages::{self, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Wrong},
     refusal::{PATIENCE, refuse},
     text,
@@ -34,8 +34,6 @@ const STATE_MIN: Duration = Duration::from_millis(1);
 const STATE_MAX: Duration = Duration::from_millis(10);
 /// Messages of a client in a second: twice those of the fastest controller.
 const RATE_MAX: u32 = 2_000;
-/// Without a reply for this long, speed and current are unknown, as everywhere.
-const FRESH_FOR: Duration = Duration::from_millis(500);
 
 /// A client as it is told everything: what is its own, and the line.
 pub(super) struct Told {
@@ -166,6 +164,9 @@ async fn send(
     mut told: Told,
     mut ended: oneshot::Receiver<Wrong>,
 ) {
+    // The first client of all waits until the driver was asked.
+    let known = told.line.wait_for(|line| line.now().is_some());
+    let _ = timeout(text::FIRST_STATE_MAX, known).await;
     loop {
         // A client that is slow then gets a state of the moment when it takes one.
         if !matches!(timeout(PATIENCE, write.writable()).await, Ok(Ok(()))) {
@@ -229,7 +230,6 @@ fn state(viewer: ViewerId, own: &Own, line: &Line) -> messages::State {
 /// What is known of a motor now.
 fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
     let age = |at: Instant| u32::try_from(now?.since(at).as_micros()).ok();
-    let is_fresh = |at: Instant| now.is_some_and(|now| now.since(at) <= FRESH_FOR);
     let status = &motor.status;
     let flags = u8::from(status.silent)
         | u8::from(status.may_turn) << 1
@@ -250,18 +250,14 @@ fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
         position: motor
             .turns
             .and_then(|(at, turns)| Some((turns * std::f64::consts::TAU, age(at)?))),
-        velocity: fresh(motor.speed, is_fresh)
+        velocity: fresh(motor.speed, now)
             .and_then(|(at, rpm)| Some((f32::from(rpm.rpm()) * RAD_PER_S, age(at)?))),
-        current: fresh(motor.current, is_fresh)
+        current: fresh(motor.current, now)
             .and_then(|(at, current)| Some((current.amps(), age(at)?))),
         temperature: motor
             .temperature
             .and_then(|(at, celsius)| Some((f32::from(celsius.degrees()), age(at)?))),
     }
-}
-
-fn fresh<T: Copy>(value: Measured<T>, is_fresh: impl Fn(Instant) -> bool) -> Measured<T> {
-    value.filter(|(at, _)| is_fresh(*at))
 }
 
 /// The clock that every program of this computer reads.

@@ -23,8 +23,16 @@ const COARSE_TURNS: f64 = 1.2 / 255.0;
 /// How long a fine angle counts more than a coarse one: ten drive frames.
 const FINE_FOR: Duration = Duration::from_millis(200);
 
+/// Without a reply for this long, speed and current are unknown, as everywhere.
+const FRESH_FOR: Duration = Duration::from_millis(500);
+
 /// A measured value, and when its reply came, by the driver's clock.
 pub(crate) type Measured<T> = Option<(Instant, T)>;
+
+/// The value, unless its reply is too old.
+pub(super) fn fresh<T>(value: Measured<T>, now: Option<Instant>) -> Measured<T> {
+    value.filter(|(at, _)| now.is_some_and(|now| now.since(*at) <= FRESH_FOR))
+}
 
 /// The newest state of the line.
 #[derive(Clone, Debug, Default)]

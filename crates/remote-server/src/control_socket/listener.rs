@@ -97,10 +97,8 @@ impl ControlSocket {
         }
         // Under another name, until its mode is right: nobody connects before.
         let mut new = path.as_os_str().to_owned();
-        new.push(".new");
+        new.push(format!(".{}", std::process::id()));
         let new = PathBuf::from(new);
-        // One that a killed server has left.
-        let _ = fs::remove_file(&new);
         let listener = net::UnixListener::bind(&new).map_err(NoSocket::Io)?;
         let made = fs::set_permissions(&new, fs::Permissions::from_mode(MODE))
             .and_then(|()| fs::symlink_metadata(&new))

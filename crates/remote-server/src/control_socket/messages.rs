@@ -149,6 +149,8 @@ pub(crate) enum NotArmed {
     NotZero = 4,
     /// What this client has armed is still driven: DISARM first.
     StillDriven = 5,
+    /// A person has stopped all motors, and nobody has released them since.
+    StoppedByPerson = 6,
 }
 
 /// Who has control, for one client. The numbers are those of the state.

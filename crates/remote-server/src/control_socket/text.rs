@@ -11,7 +11,7 @@ use tokio::{
 };
 
 use super::{
-    line::{Line, Motor, RAD_PER_S},
+    line::{Line, Motor, RAD_PER_S, fresh},
     messages::Wrong,
     refusal::{PATIENCE, refuse},
 };
@@ -22,12 +22,13 @@ const COMMAND_MAX: usize = 32;
 /// How often `watch` prints.
 const WATCH_EVERY: Duration = Duration::from_millis(100);
 /// How long a first state of the driver may take.
-const FIRST_STATE_MAX: Duration = Duration::from_secs(1);
+pub(super) const FIRST_STATE_MAX: Duration = Duration::from_secs(1);
 
 const HELP: &str = "\
 state   who has control, and one line for each motor
 watch   the same, ten times a second
-stop    stops all motors
+stop    stops all motors. A controller starts none before release
+release lets controllers start motors again after a stop by a person
 help    this text
 The text form drives nothing. docs/socket.md has the messages that do.
 ";
@@ -59,6 +60,11 @@ pub(super) async fn serve(
                 viewers.stop_all();
                 viewers.log("a client of the socket stops all motors".to_owned());
                 "All motors are being stopped. state shows whether they stand.\n".to_owned()
+            }
+            b"release" => {
+                viewers.release();
+                viewers.log("a client of the socket releases the motors".to_owned());
+                "A controller may start the motors.\n".to_owned()
             }
             b"help" => HELP.to_owned(),
             _ => return complain(read, write, Wrong::Magic).await,
@@ -135,12 +141,11 @@ fn push(text: &mut String, motor: &Motor, line: &Line) {
     };
     let or_unknown = |value: Option<String>| value.unwrap_or_else(|| "?".to_owned());
     let position = motor.turns.map(|(_, turns)| turns * std::f64::consts::TAU);
-    let speed = motor
-        .speed
-        .map(|(_, speed)| f32::from(speed.rpm()) * RAD_PER_S);
-    let current = motor.current.map(|(_, current)| current.amps());
+    let now = line.now();
+    let speed = fresh(motor.speed, now).map(|(_, speed)| f32::from(speed.rpm()) * RAD_PER_S);
+    let current = fresh(motor.current, now).map(|(_, current)| current.amps());
     let temperature = motor.temperature.map(|(_, celsius)| celsius.degrees());
-    let age = line.now().zip(motor.replied);
+    let age = now.zip(motor.replied);
     let age = age.map(|(now, at)| now.since(at).as_millis());
     let faults = motor.faults.map(Faults::byte);
     // Writing into a text cannot fail.

@@ -37,7 +37,10 @@ impl State {
                 let starts = command.may_move() || command.releases();
                 let done = self.control.act(now, viewer, act.stamp, starts);
                 match done {
-                    Ok(()) if !command.is_too_old(act.age) => self.commander.command(command),
+                    Ok(()) if !command.is_too_old(act.age) => {
+                        self.is_stopped_by_person &= !command.releases();
+                        self.commander.command(command);
+                    }
                     done => {
                         let stops = stops_in(command);
                         if stops.is_empty() {
@@ -60,6 +63,7 @@ impl State {
     ) {
         for stop in stops {
             self.commander.command(stop);
+            self.is_stopped_by_person |= matches!(stop, Command::StopAll(_));
             if !is_operator {
                 self.control.stopped_by_other(now);
                 self.stopped.insert(viewer, now);

@@ -176,6 +176,11 @@ impl Controllers {
                 before != own.drive
             });
         }
+        // What happened before this state has ended nothing.
+        let armed = self.armed.and_then(|armed| self.list.get(&armed));
+        if armed.is_some_and(|controller| controller.own.borrow().drive == DriveState::Driven) {
+            self.may_end = EndReason::None;
+        }
         stopped
     }
 

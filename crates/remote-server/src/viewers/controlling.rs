@@ -26,6 +26,9 @@ impl State {
         if holds && self.controllers.list.get(&viewer).is_some_and(is_alive) {
             return Err(NotArmed::StillDriven);
         }
+        if self.is_stopped_by_person {
+            return Err(NotArmed::StoppedByPerson);
+        }
         let zero = Setpoint::velocity(SpeedTarget::ZERO);
         let given: Vec<_> = order.speeds.iter().map(|(id, _)| (*id, zero)).collect();
         let setpoints = GroupSetpoints::new(&given).map_err(|_| NotArmed::Late)?;
@@ -44,7 +47,7 @@ impl State {
                 });
             }
         }
-        // The start is an explicit act, so it releases an earlier stop.
+        // It releases the stop of an earlier lease.
         self.commander.command(Command::Release);
         self.commander.command(Command::StartGroup {
             setpoints,
@@ -90,10 +93,15 @@ impl State {
                 return;
             }
         }
-        controller.sequence += 1;
+        // After weeks. The next ARM would need a new connection, so this one ends what it drives.
+        let Some(sequence) = controller.sequence.checked_add(1) else {
+            self.disarm(viewer);
+            return;
+        };
+        controller.sequence = sequence;
         let stamp = Stamp {
             epoch,
-            sequence: controller.sequence,
+            sequence,
             challenge: order.challenge,
         };
         let done = self.control.act(now, viewer, stamp, true);
@@ -181,8 +189,14 @@ impl Viewers {
         let now = state.clock.now();
         let stop = Command::StopAll(StopReason::Operator);
         state.commander.command(stop);
+        state.is_stopped_by_person = true;
         state.control.stopped_by_other(now);
         state.controllers.stopped_by(stop);
+    }
+
+    /// A person at the text form lets controllers start motors again. It starts none.
+    pub(crate) fn release(&self) {
+        self.state().is_stopped_by_person = false;
     }
 
     /// Who has control, as a text shows it.
