@@ -195,6 +195,12 @@ fn drive_and_stop() {
     let speed = manager.state()("left/velocity");
     assert!((14.0..17.5).contains(&speed), "{speed} rad/s");
 
+    // The controller goes, and leaves its command in the interface.
+    manager.does("switch", "switched");
+    until_it_stands(&mut bench);
+    thread::sleep(Duration::from_millis(300));
+    assert!(bench.stands());
+
     let said = manager.does("deactivate", "deactivate success");
     assert!(
         said.contains(&"info the motors stand, confirmed".to_owned()),
@@ -306,6 +312,16 @@ fn be_refused() {
         "{said:?}"
     );
     assert!(bench.stands());
+    manager.does("configure", "configured");
+    let said = manager.does("activate", "activate failed");
+    assert!(
+        said.iter()
+            .any(|line| line.contains("a person has stopped all motors")),
+        "{said:?}"
+    );
+    crate::controller::ask(&served.socket, "release\n");
+    manager.turn();
+    manager.does("shutdown", "shutdown success");
 
     // A server of another version.
     let socket = PathBuf::from(bench.file("other"));

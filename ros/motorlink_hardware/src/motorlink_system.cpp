@@ -97,6 +97,7 @@ bool MotorLinkSystem::read_joint(const hardware_interface::ComponentInfo & info)
 {
   Joint joint;
   joint.name = info.name;
+  joint.velocity_name = info.name + "/" + hardware_interface::HW_IF_VELOCITY;
   const double id = number(info.parameters, "id", 0.0);
   if (id < 1.0 || id > 254.0 || id != std::floor(id)) {
     RCLCPP_ERROR(logger(), "%s: id is the ID of its motor, 1 to 254", info.name.c_str());
@@ -220,6 +221,7 @@ CallbackReturn MotorLinkSystem::on_activate(const rclcpp_lifecycle::State &)
     std::chrono::steady_clock::now() - client_.state()->sent > 2 * STEP &&
     std::chrono::steady_clock::now() < until);
   const std::uint32_t number = client_.arm(ids_);
+  may_turn_ = true;
   while (std::chrono::steady_clock::now() < until) {
     if (!client_.receive_within(STEP) || !client_.set(ids_, speeds_)) {
       RCLCPP_ERROR(logger(), "no control: %s", client_.error().c_str());
@@ -240,9 +242,9 @@ CallbackReturn MotorLinkSystem::on_activate(const rclcpp_lifecycle::State &)
       stop_and_wait();
       return CallbackReturn::ERROR;
     }
-    if (state.armed && state.drive == Drive::DRIVEN) {
+    // Driven, and each has replied.
+    if (state.armed && state.drive == Drive::DRIVEN && take_state()) {
       is_active_ = true;
-      take_state();
       return CallbackReturn::SUCCESS;
     }
   }
@@ -273,10 +275,14 @@ CallbackReturn MotorLinkSystem::on_shutdown(const rclcpp_lifecycle::State &)
 bool MotorLinkSystem::stop_and_wait()
 {
   is_active_ = false;
+  if (!may_turn_) {
+    return true;
+  }
   if (client_.is_connected()) {
     const State & state = *client_.state();
     const bool stands = state.drive == Drive::NONE || state.drive == Drive::STANDS;
     if (stands && !state.armed) {
+      may_turn_ = false;
       return true;
     }
   }
@@ -289,6 +295,7 @@ bool MotorLinkSystem::stop_and_wait()
     }
     if (state.drive == Drive::STANDS) {
       RCLCPP_INFO(logger(), "the motors stand, confirmed");
+      may_turn_ = false;
       return true;
     }
     if (state.drive == Drive::NOT_CONFIRMED) {
@@ -321,12 +328,25 @@ bool MotorLinkSystem::take_state()
     joint.velocity = motor == nullptr ? unknown : joint.sign * motor->velocity;
     joint.effort = motor == nullptr ? unknown : joint.sign * motor->current * joint.torque_constant;
     joint.temperature = motor == nullptr ? unknown : motor->temperature;
-    if (is_active_ && !(age <= stale_s)) {
-      RCLCPP_ERROR(logger(), "%s: no reply for %.0f ms", joint.name.c_str(), age * 1e3);
+    if (!(age <= stale_s)) {
       is_fresh = false;
+      if (is_active_) {
+        RCLCPP_ERROR(logger(), "%s: no reply for %.0f ms", joint.name.c_str(), age * 1e3);
+      }
     }
   }
   return is_fresh;
+}
+
+return_type MotorLinkSystem::perform_command_mode_switch(
+  const std::vector<std::string> &, const std::vector<std::string> & stop)
+{
+  for (auto & joint : joints_) {
+    if (std::find(stop.begin(), stop.end(), joint.velocity_name) != stop.end()) {
+      joint.command = 0.0;
+    }
+  }
+  return return_type::OK;
 }
 
 return_type MotorLinkSystem::read(const rclcpp::Time &, const rclcpp::Duration &)
@@ -341,7 +361,7 @@ return_type MotorLinkSystem::read(const rclcpp::Time &, const rclcpp::Duration &
     RCLCPP_ERROR(logger(), "the motors are stopped: %s", why_ended(state.ended).c_str());
     return return_type::ERROR;
   }
-  return is_fresh ? return_type::OK : return_type::ERROR;
+  return is_fresh || !is_active_ ? return_type::OK : return_type::ERROR;
 }
 
 return_type MotorLinkSystem::write(const rclcpp::Time &, const rclcpp::Duration &)
@@ -351,7 +371,7 @@ return_type MotorLinkSystem::write(const rclcpp::Time &, const rclcpp::Duration 
   }
   for (std::size_t place = 0; place < joints_.size(); ++place) {
     const Joint & joint = joints_[place];
-    // A controller that is not active has no command.
+    // A controller that has not computed anything yet may give NaN.
     const double command = std::isfinite(joint.command) ? joint.command : 0.0;
     speeds_[place] = joint.sign * std::clamp(command, -joint.speed_max, joint.speed_max);
   }

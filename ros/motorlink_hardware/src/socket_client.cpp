@@ -184,7 +184,7 @@ bool SocketClient::connect(const std::string & path, std::chrono::milliseconds w
     }
     std::array<std::uint8_t, HELLO> bytes{};
     const ssize_t got = recv(socket_, bytes.data(), HELLO - answer.size(), 0);
-    if (got <= 0 && errno != EAGAIN) {
+    if (got == 0 || (got < 0 && errno != EAGAIN)) {
       return fail(path + ": closed by the server");
     }
     answer.insert(answer.end(), bytes.begin(), bytes.begin() + std::max<ssize_t>(got, 0));
@@ -342,6 +342,7 @@ std::string why_refused(std::uint8_t refused)
     case 3: return "the motors were stopped meanwhile, or this program is too slow";
     case 4: return "a speed is not zero";
     case 5: return "the motors are driven already";
+    case 6: return "a person has stopped all motors: Release on a page, or release in the text form";
     default: return "reason " + std::to_string(refused);
   }
 }

@@ -4,6 +4,7 @@
 //
 //   activate | deactivate | shutdown   calls the plugin
 //   set SPEED SPEED                    the commands, in rad/s
+//   switch                             the controller stops, and leaves its commands
 //   state                              position, velocity and temperature of both wheels
 //
 // As the controller manager does, it calls on_error after an error of read or write, and configures again at `configure`.
@@ -121,6 +122,9 @@ int main(int count, char ** arguments)
       } else if (command == "set") {
         words >> *commands[0].value >> *commands[1].value;
         std::cout << "set" << std::endl;
+      } else if (command == "switch") {
+        system.perform_command_mode_switch({}, {"left/velocity", "right/velocity"});
+        std::cout << "switched" << std::endl;
       } else if (command == "state") {
         std::cout << "state";
         for (const auto & state : states) {

@@ -43,6 +43,10 @@ public:
   hardware_interface::CallbackReturn on_error(const rclcpp_lifecycle::State & previous) override;
   hardware_interface::CallbackReturn on_shutdown(const rclcpp_lifecycle::State & previous) override;
 
+  // A controller may leave its last command in the interface when it stops: these wheels stop then.
+  hardware_interface::return_type perform_command_mode_switch(
+    const std::vector<std::string> & start, const std::vector<std::string> & stop) override;
+
   // They never wait.
   hardware_interface::return_type read(
     const rclcpp::Time & time, const rclcpp::Duration & period) override;
@@ -53,6 +57,8 @@ private:
   struct Joint
   {
     std::string name;
+    // Of its command interface.
+    std::string velocity_name;
     std::uint8_t id = 0;
     // -1 for a motor that is mounted mirrored.
     double sign = 1.0;
@@ -71,7 +77,7 @@ private:
 
   bool read_parameters();
   bool read_joint(const hardware_interface::ComponentInfo & info);
-  // Takes the newest values. Returns false with a line in the log if one of a driven motor is stale.
+  // Takes the newest values. Returns false if a reply is stale: with a line in the log while the motors are driven.
   bool take_state();
   bool stop_and_wait();
 
@@ -84,6 +90,8 @@ private:
   std::vector<std::uint8_t> ids_;
   std::vector<double> speeds_;
   bool is_active_ = false;
+  // Since ARM, until the motors have confirmed that they stand.
+  bool may_turn_ = false;
 };
 
 }  // namespace motorlink_hardware
