@@ -2,7 +2,10 @@
 
 use std::{thread::sleep, time::Duration};
 
-use crate::bench::{Bench, Said};
+use crate::{
+    bench::{Bench, Said},
+    controller::attempts,
+};
 
 /// Runs it, and returns the highest speed of motor 1 meanwhile.
 fn watched(bench: &mut Bench, line: &str) -> (Said, f64) {
@@ -20,14 +23,17 @@ fn watched(bench: &mut Bench, line: &str) -> (Said, f64) {
 
 #[test]
 fn a_good_line_is_healthy_at_rest_and_while_the_wheel_turns() {
-    let mut bench = Bench::new(&[]);
-    let (said, fastest) = watched(&mut bench, "doctor --secs 6 --rpm 60 --yes");
-    assert_eq!(said.code, Some(0), "{said:?}");
-    assert_eq!(said.out.matches("Bus healthy").count(), 2, "{said:?}");
-    assert!((50.0..70.0).contains(&fastest), "{fastest} rpm");
-    let stood = "Motor 0x01 stands, confirmed.";
-    assert!(said.err.contains(stood), "{said:?}");
-    assert!(bench.stands());
+    // On a busy machine replies are late, and the line is rightly not healthy.
+    attempts(|| {
+        let mut bench = Bench::new(&[]);
+        let (said, fastest) = watched(&mut bench, "doctor --secs 6 --rpm 60 --yes");
+        assert_eq!(said.code, Some(0), "{said:?}");
+        assert_eq!(said.out.matches("Bus healthy").count(), 2, "{said:?}");
+        assert!((50.0..70.0).contains(&fastest), "{fastest} rpm");
+        let stood = "Motor 0x01 stands, confirmed.";
+        assert!(said.err.contains(stood), "{said:?}");
+        assert!(bench.stands());
+    });
 }
 
 #[test]
