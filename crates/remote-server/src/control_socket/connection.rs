@@ -35,14 +35,14 @@ const STATE_MAX: Duration = Duration::from_millis(10);
 /// Messages of a client in a second: twice those of the fastest controller.
 const RATE_MAX: u32 = 2_000;
 
-/// A client as it is told everything: what is its own, and the line.
+/// What the states of a client are made from.
 pub(super) struct Told {
     pub(super) own: watch::Receiver<Own>,
     pub(super) line: watch::Receiver<Arc<Line>>,
 }
 
-/// Serves a client until it goes. `is_there`: whether it has got a place.
-pub(super) async fn serve(stream: UnixStream, viewers: Viewers, is_there: bool) {
+/// Serves a client until it goes. `has_place`: false if too many are connected, which it is told.
+pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool) {
     let (mut read, mut write) = stream.into_split();
     let mut first = [0];
     match timeout(PATIENCE, read.read_exact(&mut first)).await {
@@ -52,14 +52,14 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, is_there: bool) 
     }
     let [magic, ..] = MAGIC;
     if first != [magic] {
-        if is_there {
+        if has_place {
             text::serve(first, read, write, &viewers).await;
         } else {
             text::complain(read, write, Wrong::TooMany).await;
         }
         return;
     }
-    let greeted = greet(magic, &mut read, &mut write, is_there).await;
+    let greeted = greet(magic, &mut read, &mut write, has_place).await;
     let joined = greeted.and_then(|()| viewers.join_controller().ok_or(Wrong::TooMany));
     match joined {
         Ok((viewer, own)) => {
@@ -78,7 +78,7 @@ async fn greet(
     first: u8,
     read: &mut OwnedReadHalf,
     write: &mut OwnedWriteHalf,
-    is_there: bool,
+    has_place: bool,
 ) -> Result<(), Wrong> {
     let mut rest = [0; messages::HELLO - 1];
     let received = timeout(PATIENCE, read.read_exact(&mut rest)).await;
@@ -89,7 +89,7 @@ async fn greet(
         return Err(Wrong::Silent);
     }
     bytes::check_hello(&[&[first], &rest[..]].concat())?;
-    is_there.then_some(()).ok_or(Wrong::TooMany)
+    has_place.then_some(()).ok_or(Wrong::TooMany)
 }
 
 /// Sends states and takes messages until the client goes.
@@ -120,7 +120,7 @@ async fn talk(
     sending.await;
 }
 
-/// Ends the part of a controller.
+/// Removes the controller from the viewers when dropped.
 struct Leaves<'a> {
     viewers: &'a Viewers,
     viewer: ViewerId,
@@ -168,7 +168,7 @@ async fn send(
     let known = told.line.wait_for(|line| line.now().is_some());
     let _ = timeout(text::FIRST_STATE_MAX, known).await;
     loop {
-        // A client that is slow then gets a state of the moment when it takes one.
+        // There is room first, so that a slow client gets the newest state.
         if !matches!(timeout(PATIENCE, write.writable()).await, Ok(Ok(()))) {
             return;
         }

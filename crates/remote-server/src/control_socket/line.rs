@@ -18,7 +18,7 @@ const ASK_EVERY: Duration = Duration::from_millis(10);
 
 /// One revolution a minute, in rad/s.
 pub(super) const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
-/// One step of the angle in the reply to a query, in turns, and what is rounded beside it.
+/// One step of the angle in the reply to a query, in turns, with a fifth more for rounding.
 const COARSE_TURNS: f64 = 1.2 / 255.0;
 /// How long a fine angle counts more than a coarse one: ten drive frames.
 const FINE_FOR: Duration = Duration::from_millis(200);
@@ -40,7 +40,7 @@ pub(crate) struct Line {
     pub(crate) is_open: bool,
     pub(crate) is_halted: bool,
     pub(crate) motors: BTreeMap<MotorId, Motor>,
-    /// The driver's clock at a moment of ours.
+    /// A time of the driver, and when it was read by our clock.
     clock: Option<(Instant, Moment)>,
 }
 
@@ -84,7 +84,7 @@ impl Motor {
         }
     }
 
-    /// Takes a reply. What it does not tell stays as it was, with its own time.
+    /// Takes a reply. A value that it does not have keeps its own time.
     fn take(&mut self, sample: &Sample, turns: &mut TurnCounter) {
         let Sample { at, reply } = sample;
         turns.record(*at, reply);

@@ -23,9 +23,9 @@ use crate::viewers::Viewers;
 
 /// Clients at the same time: one that drives, and some that watch. Also of the text form.
 const CLIENTS_MAX: usize = 8;
-/// Its owner and its group may connect: to connect is to write.
+/// Its owner and its group can connect, which needs the permission to write.
 const MODE: u32 = 0o660;
-/// The end waits no longer for a connection.
+/// How long the end waits for connections at most.
 const END_MAX: Duration = Duration::from_millis(200);
 /// A pause where the system gives no connection, such as for want of file handles.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -70,7 +70,7 @@ pub struct RunningSocket {
     _file: SocketFile,
 }
 
-/// The file, which goes with this value.
+/// The file. It is removed when this value is dropped.
 #[derive(Debug)]
 struct SocketFile {
     path: PathBuf,
@@ -170,13 +170,13 @@ async fn accept(listener: UnixListener, viewers: Viewers) {
             continue;
         }
         let own = Arc::clone(&places).try_acquire_owned();
-        let is_there = own.is_ok();
+        let has_place = own.is_ok();
         let Ok(place) = own.or_else(|_| Arc::clone(&refusals).try_acquire_owned()) else {
             continue;
         };
         let viewers = viewers.clone();
         tokio::spawn(async move {
-            connection::serve(stream, viewers, is_there).await;
+            connection::serve(stream, viewers, has_place).await;
             drop(place);
         });
     }

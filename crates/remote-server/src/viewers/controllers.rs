@@ -27,9 +27,9 @@ pub(crate) struct Own {
 /// The controllers, and what one of them drives.
 pub(super) struct Controllers {
     pub(super) list: BTreeMap<ViewerId, Controller>,
-    /// How often a drive has begun or was ended here.
+    /// How many drives have begun or ended. A status that was asked for before the newest change tells nothing of it.
     pub(super) changes: u32,
-    /// Who has armed them and holds the lease.
+    /// The controller that has armed motors and holds the lease.
     pub(super) armed: Option<ViewerId>,
     /// Why the drive may have ended, by the first event that tells it.
     pub(super) may_end: EndReason,
@@ -133,7 +133,7 @@ impl Controllers {
         }
     }
 
-    /// The drive may have ended for this reason. `of`: only if it is that of this motor.
+    /// The drive may have ended for this reason. `of`: only a drive with this motor.
     pub(super) fn drive_may_end(&mut self, of: Option<MotorId>, why: EndReason) {
         let armed = self.armed.and_then(|armed| self.list.get(&armed));
         let concerns = armed.is_some_and(|controller| {

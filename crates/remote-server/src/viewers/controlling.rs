@@ -215,7 +215,7 @@ impl Viewers {
         self.state().controllers.changes
     }
 
-    /// The drive of a controller may have ended for this reason. `of`: only if it is that of this motor.
+    /// The drive of a controller may have ended for this reason. `of`: only a drive with this motor.
     pub(crate) fn drive_may_end(&self, of: Option<MotorId>, why: EndReason) {
         self.state().controllers.drive_may_end(of, why);
     }
@@ -224,7 +224,7 @@ impl Viewers {
     pub(crate) fn judge(&self, changes: u32, status: &Status, model: Model) {
         let mut state = self.state();
         let stopped = state.controllers.judge(changes, status, model);
-        // The bus has stopped them as one. This makes sure of it: nobody gives them setpoints any more.
+        // The bus stops the group. Each motor is stopped too, because no setpoints follow.
         for id in stopped {
             state.commander.command(Command::Stop(id));
         }
