@@ -302,7 +302,7 @@ impl World {
             if let Some(run) = self.host_receiver.receive(byte, more) {
                 let fastest_rpm = self.fastest_rpm(byte.end);
                 let model = self.model();
-                self.adapter.deliver(run, fastest_rpm, model);
+                self.adapter.deliver(byte.end, run, fastest_rpm, model);
             }
         }
     }

@@ -40,6 +40,9 @@ pub(crate) struct Adapter {
     arriving: VecDeque<Chunk>,
     /// Bytes of a block that is not full.
     block: Vec<u8>,
+    now: Instant,
+    /// When the newest chunk arrives, also after the host has taken it.
+    last: Instant,
 }
 
 impl Adapter {
@@ -49,6 +52,8 @@ impl Adapter {
             chance,
             arriving: VecDeque::new(),
             block: Vec::new(),
+            now: Instant::ZERO,
+            last: Instant::ZERO,
         }
     }
 
@@ -70,6 +75,7 @@ impl Adapter {
 
     /// A level that no driver holds is received as a byte.
     pub(crate) fn noise(&mut self, at: Instant) {
+        self.now = at;
         self.arrive(at, &[0]);
     }
 
@@ -85,9 +91,10 @@ impl Adapter {
         Some(Frame::new(bytes))
     }
 
-    /// A run of bytes on its way to the host, while the fastest wheel turns at `fastest_rpm`. A motor that
+    /// A run of bytes that is over now, on its way to the host, while the fastest wheel turns at `fastest_rpm`. A motor that
     /// the host does not query is of this `model`.
-    pub(crate) fn deliver(&mut self, run: Run, fastest_rpm: f32, model: Model) {
+    pub(crate) fn deliver(&mut self, now: Instant, run: Run, fastest_rpm: f32, model: Model) {
+        self.now = now;
         let Run {
             echo: mut bytes,
             mut reply,
@@ -210,21 +217,25 @@ impl Adapter {
         }
         if self.faults.hold > Duration::ZERO {
             // The timer runs from the first byte held; what comes meanwhile goes with it.
-            let room = |chunk: &&mut Chunk| chunk.at > at && chunk.bytes.len() < PACKET_MAX;
+            // A run with a collision ends before it is over. What the host may have read by then stays as it is.
+            let open = at.max(self.now);
+            let room = |chunk: &&mut Chunk| chunk.at > open && chunk.bytes.len() < PACKET_MAX;
             if let Some(held) = self.arriving.back_mut().filter(room) {
                 held.bytes.extend_from_slice(bytes);
                 if held.bytes.len() >= PACKET_MAX {
                     held.at = at;
+                    self.last = at;
                 }
                 return;
             }
         }
-        let after = self.arriving.back().map_or(Instant::ZERO, |chunk| chunk.at);
         if self.arriving.len() >= CHUNKS_MAX {
             self.arriving.pop_front();
         }
+        // Not of the queue: the host may have taken the one before.
+        self.last = self.last.max(at + self.faults.hold);
         self.arriving.push_back(Chunk {
-            at: (at + self.faults.hold).max(after),
+            at: self.last,
             bytes: bytes.to_vec(),
         });
     }
