@@ -45,7 +45,7 @@ fn restore(page: &Page) -> Result<()> {
 
 /// Waits as long as an offer that comes would take, and finds none.
 fn assert_nothing_offered(page: &Page) -> Result<()> {
-    thread::sleep(Duration::from_secs(4));
+    thread::sleep(Duration::from_secs(8));
     let offers = page.find_all("button", "Restore session")?;
     assert_eq!(offers.len(), 0);
     Ok(())
