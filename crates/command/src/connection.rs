@@ -14,8 +14,14 @@ use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Statu
 use motorlink_protocol::MotorId;
 
 use crate::{
-    arguments::Global, failure::Failure, log::Log, output::say, recording::Recording,
-    signed_id::SignedId, words,
+    arguments::Global,
+    failure::Failure,
+    log::Log,
+    output::say,
+    recording::Recording,
+    signed_id::SignedId,
+    stop_report::{most_serious, report},
+    words,
 };
 
 /// How long to wait for an entry before looking at the clock again.
@@ -86,7 +92,7 @@ impl Connection {
         })
     }
 
-    /// While this is true, whatever waits for the line ends with [`Failure::Interrupted`].
+    /// While this is true, what waits for the line ends with [`Failure::Interrupted`].
     pub fn interrupt_by(&mut self, is_interrupted: Arc<AtomicBool>) {
         self.is_interrupted = is_interrupted;
     }
@@ -280,48 +286,6 @@ pub fn on_line(
     let worked = work(&mut connection);
     let stopped = connection.end_with(|_| ());
     most_serious(worked, stopped)
-}
-
-/// The failure of a stop, if it has failed: then the other one is only printed.
-pub fn most_serious(
-    worked: Result<(), Failure>,
-    stopped: Result<(), Failure>,
-) -> Result<(), Failure> {
-    match (worked, stopped) {
-        (Err(worked), Err(stopped)) => {
-            say(worked);
-            Err(stopped)
-        }
-        (worked, stopped) => stopped.and(worked),
-    }
-}
-
-/// Prints what a stop has shown.
-///
-/// # Errors
-/// A standstill is not confirmed, or the driver has failed.
-fn report(ending: &Ending) -> Result<(), Failure> {
-    if let Some(stop) = &ending.last_stop
-        && !stop.motors.is_empty()
-    {
-        say(words::of_stop(stop));
-    }
-    let failed = "motorlink itself has failed: please report it";
-    if !ending.may_turn.is_empty() {
-        let ids = words::ids(ending.may_turn.iter().copied());
-        let failed = if ending.has_failed {
-            format!(" ({failed})")
-        } else {
-            String::new()
-        };
-        return Err(Failure::NotDone(format!(
-            "motors {ids} may turn: cut their power{failed}"
-        )));
-    }
-    if ending.has_failed {
-        return Err(Failure::NotDone(failed.to_owned()));
-    }
-    Ok(())
 }
 
 /// The motors of `--id`, or else all virtual ones. Empty if they are to be found.

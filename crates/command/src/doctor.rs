@@ -15,13 +15,15 @@ use serde_json::{Value, json};
 use crate::{
     arguments::{Doctor, Global},
     confirm::{can_ask, confirm_on},
-    connection::{Connection, Happened, most_serious, on_line},
+    connection::{Connection, Happened, on_line},
     drive::{ends_drive, rpm_setpoint},
     failure::Failure,
     output::{print, say},
     scan::scan,
     signed_id::SignedId,
-    starting, words,
+    starting,
+    stop_report::most_serious,
+    words,
 };
 
 /// How often the line is looked at, as on the page.

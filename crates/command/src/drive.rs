@@ -13,11 +13,12 @@ use motorlink_protocol::{
 
 use crate::{
     arguments::{Drive, Global, How},
-    connection::{Connection, Happened, is_not_done, most_serious},
+    connection::{Connection, Happened, is_not_done},
     failure::Failure,
     group_switch::GroupSwitch,
     signed_id::SignedId,
     starting,
+    stop_report::most_serious,
     values::Values,
 };
 

@@ -33,6 +33,7 @@ mod signals;
 mod signed_id;
 mod starting;
 mod stop;
+mod stop_report;
 mod values;
 #[cfg(unix)]
 mod virtual_motors;

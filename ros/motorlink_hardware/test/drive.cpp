@@ -103,7 +103,7 @@ int main(int count, char ** arguments)
   auto next = std::chrono::steady_clock::now();
   for (;;) {
     std::string line;
-    // One in each turn: whoever asks again at once must not keep the motors from being read.
+    // One in each turn, so that the motors are read between two commands.
     if (next_line(line)) {
       std::istringstream words(line);
       std::string command;

@@ -29,11 +29,12 @@ pub use figures::to_text;
 use crate::{
     arguments::Global,
     confirm::confirm_on,
-    connection::{Connection, Happened, most_serious},
+    connection::{Connection, Happened},
     failure::Failure,
     output::{print, say},
     recording::unix_ms,
     signed_id::SignedId,
+    stop_report::most_serious,
 };
 
 /// How often the line of a terminal is drawn.

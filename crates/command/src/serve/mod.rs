@@ -15,10 +15,11 @@ use motorlink_remote_server::{Hub, Viewers};
 
 use crate::{
     arguments::Global,
-    connection::{Connection, Happened, most_serious},
+    connection::{Connection, Happened},
     failure::Failure,
     output::say,
     serve::{arguments::Serve, service::Service, web::Web},
+    stop_report::most_serious,
     watching::watch_found,
 };
 
