@@ -37,6 +37,7 @@ pub static SUITE: Suite = Suite {
             about: "the sources are formatted",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: |workspace| {
                 let args = ["fmt", "--all", "--check"];
@@ -48,6 +49,7 @@ pub static SUITE: Suite = Suite {
             about: "every message of the code has its translations",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: |workspace| translations::update(workspace, true),
         },
@@ -56,6 +58,7 @@ pub static SUITE: Suite = Suite {
             about: "no arrow between modules or crates points up, and no two files use each other",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: layers::check,
         },
@@ -64,6 +67,7 @@ pub static SUITE: Suite = Suite {
             about: "every test and file that docs/invariants.md names exists",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: invariants::check,
         },
@@ -72,6 +76,7 @@ pub static SUITE: Suite = Suite {
             about: "no text says that a wheel coasts because frames cease",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: claims::check,
         },
@@ -80,6 +85,7 @@ pub static SUITE: Suite = Suite {
             about: "each dependency is locked, licensed, from the registry, and there once",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: dependencies,
         },
@@ -88,6 +94,7 @@ pub static SUITE: Suite = Suite {
             about: "no warnings in the native code",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: |workspace| {
                 let args = [&["--all-targets"], &NO_PAGE[..], &DENY_WARNINGS].concat();
@@ -99,6 +106,7 @@ pub static SUITE: Suite = Suite {
             about: "no warnings in the code for the browser, tests included",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: |workspace| {
                 let targets = ["--lib", "--bins", "--tests"];
@@ -111,6 +119,7 @@ pub static SUITE: Suite = Suite {
             about: "the documentation builds without warnings",
             needs: &[],
             beside: None,
+            nice: 0,
             on_request: false,
             run: |workspace| {
                 let args = [&["--no-deps"], &NO_PAGE[..], &NO_TEST_PROGRAMS].concat();

@@ -8,6 +8,7 @@ use crate::cargo;
 use crate::npm;
 use crate::process;
 use crate::programs;
+use crate::suite;
 use crate::tools::cache_dir;
 use crate::workspace::Workspace;
 
@@ -63,7 +64,8 @@ pub fn test_package(workspace: &Workspace) -> Result<()> {
     let folder = root.join("target/python-package");
     // An earlier wheel is not installed instead.
     let _ = fs::remove_dir_all(&folder);
-    let mut build = process::without_our_package(Command::new(&python));
+    // It delays no test that runs beside it.
+    let mut build = process::without_our_package(suite::low_priority(&python, 19));
     build
         .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
         .arg("--target-dir")

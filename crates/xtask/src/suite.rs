@@ -4,7 +4,7 @@ use std::env;
 use std::fmt;
 use std::fs;
 use std::iter;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -25,18 +25,15 @@ pub struct Step {
     pub about: &'static str,
     /// Steps whose results it uses. They come earlier in the suite.
     pub needs: &'static [&'static str],
-    /// An earlier step that leaves processors idle: in a whole run this one runs meanwhile, at low priority.
+    /// An earlier step that leaves processors idle: in a whole run this one runs meanwhile.
     pub beside: Option<&'static str>,
+    /// Its niceness beside the other. Programs that drive motors in real time need a low one.
+    pub nice: u8,
     /// Whether it runs only where `--only` or `--with` names it.
     pub on_request: bool,
     /// Runs it.
     pub run: fn(&Workspace) -> Result<()>,
 }
-
-/// The niceness of a step beside another one: its tests get a tenth of the processors at least.
-const FIRST_NICE: u8 = 10;
-/// That of a step beside it in turn is so much higher: what it compiles delays no test.
-const LOWER_BY: u8 = 9;
 
 /// Steps in the order in which they run.
 #[derive(Debug)]
@@ -154,7 +151,7 @@ impl Suite {
             }
             println!("\n=== {}: {}", step.name, step.about);
             let run = || (step.run)(workspace);
-            ended.extend(self.run_with_others(selected, step, FIRST_NICE, &run));
+            ended.extend(self.run_with_others(selected, step, &run));
             if ended.iter().any(|ended| ended.result.is_err()) {
                 break;
             }
@@ -178,17 +175,14 @@ impl Suite {
         &self,
         selected: &[&Step],
         step: &Step,
-        nice: u8,
         run: &dyn Fn() -> Result<()>,
     ) -> Vec<Ended> {
         let others = || -> Vec<Ended> {
             let beside = selected
                 .iter()
                 .filter(|other| other.beside == Some(step.name));
-            let run = |other: &&Step| {
-                let run = || self.run_captured(other.name, nice);
-                self.run_with_others(selected, other, nice + LOWER_BY, &run)
-            };
+            let run =
+                |other: &&Step| self.run_with_others(selected, other, &|| self.run_captured(other));
             beside.flat_map(run).collect()
         };
         thread::scope(|scope| {
@@ -200,10 +194,11 @@ impl Suite {
         })
     }
 
-    /// Runs a step at low priority, and prints what it printed once it has ended.
-    fn run_captured(&self, name: &str, nice: u8) -> Result<()> {
+    /// Runs a step beside another, and prints what it printed once it has ended.
+    fn run_captured(&self, step: &Step) -> Result<()> {
         let program = env::current_exe().context("no program to run beside this one")?;
-        process::run_captured(low_priority(program, nice).args([self.name, "--only", name]))
+        let mut program = low_priority(&program, step.nice);
+        process::run_captured(program.args([self.name, "--only", step.name]))
     }
 }
 
@@ -222,8 +217,8 @@ pub fn idle_program() -> Result<Command> {
     Ok(command)
 }
 
-/// A program that gets little processor time while others want it.
-fn low_priority(program: PathBuf, nice: u8) -> Command {
+/// A program of this niceness: a higher one gets less processor time while others want it.
+pub fn low_priority(program: &Path, nice: u8) -> Command {
     if cfg!(windows) {
         return Command::new(program);
     }
