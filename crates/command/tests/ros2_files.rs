@@ -27,7 +27,7 @@ fn checked(vehicle: &Vehicle, geometry: Geometry) -> Result<String, UnevenSides>
     let files = ros2(&Robot {
         vehicle,
         geometry,
-        port: "/dev/ttyUSB0",
+        by_position: true,
         rpm_max: 200.0,
         rpm_per_s_max: 250.0,
     })?;

@@ -73,6 +73,7 @@ def check_parameters():
         assert [type(value) for value in drive[name]] == [float] * 6, drive[name]
     # The command times out, so that silence stops the wheels.
     assert 0 < drive["cmd_vel_timeout"] <= 0.5
+    assert drive["position_feedback"] is True
     assert len(drive["left_wheel_names"]) == len(drive["right_wheel_names"])
     return controllers["diff_drive_controller"]["ros__parameters"]
 
@@ -97,20 +98,20 @@ def check_tree(drive):
 
 
 def check_hardware(wheels):
-    """Its parameters are those that the driver reads. Gives motor and sign of each joint."""
+    """Its parameters are those that the plugin reads. Gives motor and sign of each joint."""
     control = xml.fromstring(text).find("ros2_control")
     hardware = control.find("hardware")
-    assert hardware.find("plugin").text == "ddsm115_ros2_driver/DDSM115SystemHardware"
+    assert hardware.find("plugin").text == "motorlink_hardware/MotorLinkSystem"
     values = {param.get("name"): param.text for param in hardware.findall("param")}
-    assert values == {"usb_path": "/dev/ttyUSB0", "serial_baud": "115200"}, values
+    assert values == {"socket": "/run/motorlink/socket"}, values
     motors = {}
     for joint in control.findall("joint"):
         values = {param.get("name"): param.text for param in joint.findall("param")}
-        assert {*values} == {"motor_id", "invert_direction"}, values
-        motors[joint.get("name")] = (int(values["motor_id"]), {"true": -1, "false": 1}[values["invert_direction"]])
+        assert {*values} == {"id", "mirrored", "max_rpm"}, values
+        motors[joint.get("name")] = (int(values["id"]), {"true": -1, "false": 1}[values["mirrored"]])
         assert [one.get("name") for one in joint.findall("command_interface")] == ["velocity"]
         states = [one.get("name") for one in joint.findall("state_interface")]
-        assert states == ["position", "velocity", "effort"], states
+        assert states == ["position", "velocity", "temperature"], states
     assert [*motors] == [*wheels]
     return motors
 

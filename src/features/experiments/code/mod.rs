@@ -101,7 +101,7 @@ fn robot(of: Experiments) -> Files {
     let files = ros2(&Robot {
         vehicle: &vehicle,
         geometry: of.geometry.get(),
-        port: PORT,
+        by_position: !of.page.model.get().has_separate_frames(),
         rpm_max: limit_rpm.min(spec.nominal.no_load_rpm.into()),
         rpm_per_s_max: 1e6 / f64::from(spec.acceleration_us_per_rpm),
     });

@@ -1,12 +1,11 @@
 //! A vehicle as a robot for ROS 2: its description, the parameters of `diff_drive_controller`, and a launch file.
 //!
-//! The hardware interface is that of `lazytatzv/ddsm115_driver`.
+//! The hardware interface is `ros/motorlink_hardware`.
 
 mod names;
 
 use std::{f64::consts::TAU, fmt};
 
-use super::plain;
 use crate::vehicle::{Geometry, Place, Vehicle, Wheel};
 
 const YAML: &str = include_str!("controllers.yaml");
@@ -24,8 +23,8 @@ pub struct Robot<'a> {
     pub vehicle: &'a Vehicle,
     /// Its measures.
     pub geometry: Geometry,
-    /// The serial port.
-    pub port: &'a str,
+    /// Whether its motors tell their position often enough for odometry.
+    pub by_position: bool,
     /// Highest speed of a wheel in rpm.
     pub rpm_max: f64,
     /// The change of speed that a motor follows, in rpm per second.
@@ -71,7 +70,7 @@ pub fn ros2(robot: &Robot<'_>) -> Result<RobotFiles, UnevenSides> {
     let straight = |rpm: f64| number(rpm / 60.0 * TAU * radius_m);
     let on_the_spot = |rpm: f64| number(rpm / 60.0 * TAU * radius_m / (track_m / 2.0));
     let parts = [
-        ("@PORT@", plain(robot.port)),
+        ("@BY_POSITION@", robot.by_position.to_string()),
         ("@LEFT@", joints(false)),
         ("@RIGHT@", joints(true)),
         ("@SEPARATION@", number(track_m)),
