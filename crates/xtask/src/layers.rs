@@ -48,6 +48,7 @@ const CRATES: [&[&str]; 12] = [
         "motorlink-experiments",
         "motorlink-simulator",
         "motorlink-i18n",
+        "motorlink-controller-messages",
     ],
     &["motorlink-protocol"],
     // What needs nothing of ours.

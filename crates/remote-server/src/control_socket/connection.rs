@@ -7,6 +7,10 @@ use std::{
 };
 
 use motorlink_bus::Activity;
+use motorlink_controller_messages::{
+    self as messages, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Refusal, check_hello,
+    decode_from_client, encode_error, encode_state, server_hello,
+};
 use motorlink_protocol::{Faults, Instant};
 use motorlink_remote::ViewerId;
 use rustix::time::{ClockId, clock_gettime};
@@ -21,9 +25,7 @@ use tokio::{
 };
 
 use super::{
-    bytes,
     line::{Line, Motor, RAD_PER_S, fresh},
-    messages::{self, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Wrong},
     refusal::{PATIENCE, refuse},
     text,
 };
@@ -48,19 +50,19 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool)
     match timeout(PATIENCE, read.read_exact(&mut first)).await {
         Ok(Ok(_)) => {}
         Ok(Err(_)) => return,
-        Err(_) => return text::complain(read, write, Wrong::Silent).await,
+        Err(_) => return text::complain(read, write, Refusal::Silent).await,
     }
     let [magic, ..] = MAGIC;
     if first != [magic] {
         if has_place {
             text::serve(first, read, write, &viewers).await;
         } else {
-            text::complain(read, write, Wrong::TooMany).await;
+            text::complain(read, write, Refusal::TooMany).await;
         }
         return;
     }
     let greeted = greet(magic, &mut read, &mut write, has_place).await;
-    let joined = greeted.and_then(|()| viewers.join_controller().ok_or(Wrong::TooMany));
+    let joined = greeted.and_then(|()| viewers.join_controller().ok_or(Refusal::TooMany));
     match joined {
         Ok((viewer, own)) => {
             let line = viewers.line();
@@ -68,7 +70,7 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool)
         }
         Err(wrong) => {
             viewers.log(format!("a client of the socket was refused: {wrong}"));
-            refuse(read, write, &bytes::error(wrong)).await;
+            refuse(read, write, &encode_error(wrong)).await;
         }
     }
 }
@@ -79,17 +81,17 @@ async fn greet(
     read: &mut OwnedReadHalf,
     write: &mut OwnedWriteHalf,
     has_place: bool,
-) -> Result<(), Wrong> {
+) -> Result<(), Refusal> {
     let mut rest = [0; messages::HELLO - 1];
     let received = timeout(PATIENCE, read.read_exact(&mut rest)).await;
     // Also to a client of another version: it sees which one this is.
-    let hello = bytes::hello();
+    let hello = server_hello();
     let _ = timeout(PATIENCE, write.write_all(&hello)).await;
     if !matches!(received, Ok(Ok(_))) {
-        return Err(Wrong::Silent);
+        return Err(Refusal::Silent);
     }
-    bytes::check_hello(&[&[first], &rest[..]].concat())?;
-    has_place.then_some(()).ok_or(Wrong::TooMany)
+    check_hello(&[&[first], &rest[..]].concat())?;
+    has_place.then_some(()).ok_or(Refusal::TooMany)
 }
 
 /// Sends states and takes messages until the client goes.
@@ -137,7 +139,7 @@ async fn receive(
     mut read: OwnedReadHalf,
     viewers: &Viewers,
     viewer: ViewerId,
-) -> Result<(), Wrong> {
+) -> Result<(), Refusal> {
     let mut bytes = [0; FROM_CLIENT];
     let (mut since, mut count) = (Moment::now(), 0);
     while read.read_exact(&mut bytes).await.is_ok() {
@@ -146,9 +148,9 @@ async fn receive(
         }
         count += 1;
         if count > RATE_MAX {
-            return Err(Wrong::Floods);
+            return Err(Refusal::Floods);
         }
-        match bytes::decode(&bytes)? {
+        match decode_from_client(&bytes)? {
             FromClient::Arm(order) => viewers.arm(viewer, &order),
             FromClient::Setpoints(order) => viewers.setpoints(viewer, &order),
             FromClient::Disarm => viewers.disarm(viewer),
@@ -162,7 +164,7 @@ async fn send(
     mut write: OwnedWriteHalf,
     viewer: ViewerId,
     mut told: Told,
-    mut ended: oneshot::Receiver<Wrong>,
+    mut ended: oneshot::Receiver<Refusal>,
 ) {
     // The first client of all waits until the driver was asked.
     let known = told.line.wait_for(|line| line.now().is_some());
@@ -175,7 +177,7 @@ async fn send(
         let own = told.own.borrow_and_update().clone();
         let line = Arc::clone(&told.line.borrow_and_update());
         let sent = tokio::time::Instant::now();
-        let state = bytes::encode(&state(viewer, &own, &line));
+        let state = encode_state(&state(viewer, &own, &line));
         if !matches!(timeout(PATIENCE, write.write_all(&state)).await, Ok(Ok(()))) {
             return;
         }
@@ -189,7 +191,7 @@ async fn send(
         };
         if let Some(ended) = wrong {
             if let Ok(wrong) = ended {
-                let _ = timeout(PATIENCE, write.write_all(&bytes::error(wrong))).await;
+                let _ = timeout(PATIENCE, write.write_all(&encode_error(wrong))).await;
             }
             return;
         }
@@ -231,21 +233,19 @@ fn state(viewer: ViewerId, own: &Own, line: &Line) -> messages::State {
 fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
     let age = |at: Instant| u32::try_from(now?.since(at).as_micros()).ok();
     let status = &motor.status;
-    let flags = u8::from(status.silent)
-        | u8::from(status.may_turn) << 1
-        | u8::from(status.turns_unasked) << 2
-        | u8::from(motor.faults.is_some()) << 3;
     messages::Motor {
         id: status.id.get(),
         activity: match status.activity {
-            Activity::Idle => 0,
-            Activity::Driven { .. } => 1,
-            Activity::Stopping { .. } => 2,
-            Activity::Switching { .. } => 3,
-            Activity::DrivenRaw => 4,
+            Activity::Idle => messages::Activity::Idle,
+            Activity::Driven { .. } => messages::Activity::Driven,
+            Activity::Stopping { .. } => messages::Activity::Stopping,
+            Activity::Switching { .. } => messages::Activity::Switching,
+            Activity::DrivenRaw => messages::Activity::DrivenRaw,
         },
-        flags,
-        faults: motor.faults.map_or(0, Faults::byte),
+        is_silent: status.silent,
+        may_turn: status.may_turn,
+        turns_unasked: status.turns_unasked,
+        faults: motor.faults.map(Faults::byte),
         reply_age: motor.replied.and_then(age),
         position: motor
             .turns

@@ -7,10 +7,10 @@ use std::{
 };
 
 use motorlink_bus::{Event, MotorStatus, Sample, StopReason, TurnCounter, WithdrawReason};
+use motorlink_controller_messages::EndReason;
 use motorlink_driver::{Driver, Entry};
 use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, MotorId, Rpm};
 
-use super::messages::EndReason;
 use crate::viewers::Viewers;
 
 /// How often the driver is asked what it does with the motors, while a client is there. An event asks at once.

@@ -1,12 +1,10 @@
 //! The socket of `motorlink serve --socket`: a controller on this computer drives the motors.
 //!
-//! `docs/socket.md` describes every byte. A controller is one more holder of the lease beside the pages
+//! `docs/socket.md` describes every byte; `crates/controller-messages` has the messages. A controller is one more holder of the lease beside the pages
 //! ([`motorlink_remote::Control`]): it has 100 ms where a page has 400 ms. Text clients read the state and may stop.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `messages` | what is sent, in both directions |
-//! | `bytes` | the bytes of it |
 //! | `line` | the newest state of each motor, from the entries of the driver |
 //! | `connection` | the connection of one client |
 //! | `refusal` | why a connection is closed |
@@ -15,13 +13,11 @@
 //!
 //! What a controller may do is decided in `viewers/controlling.rs`, where the lease is locked.
 
-mod bytes;
 #[cfg(unix)]
 mod connection;
 mod line;
 #[cfg(unix)]
 mod listener;
-mod messages;
 #[cfg(unix)]
 mod refusal;
 #[cfg(unix)]
@@ -30,4 +26,3 @@ mod text;
 pub(crate) use line::{Feed, Line};
 #[cfg(unix)]
 pub use listener::{ControlSocket, NoSocket, RunningSocket};
-pub(crate) use messages::{DriveState, EndReason, NotArmed, Order};

@@ -3,6 +3,7 @@
 use std::{fmt::Write as _, time::Duration};
 
 use motorlink_bus::Activity;
+use motorlink_controller_messages::Refusal;
 use motorlink_protocol::Faults;
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
@@ -12,7 +13,6 @@ use tokio::{
 
 use super::{
     line::{Line, Motor, RAD_PER_S, fresh},
-    messages::Wrong,
     refusal::{PATIENCE, refuse},
 };
 use crate::viewers::Viewers;
@@ -45,7 +45,7 @@ pub(super) async fn serve(
         match read_line(&mut command, &mut read).await {
             Read::Ended if command.is_empty() => return,
             Read::Whole | Read::Ended => {}
-            Read::TooLong => return complain(read, write, Wrong::Magic).await,
+            Read::TooLong => return complain(read, write, Refusal::Magic).await,
         }
         let text = match command.trim_ascii() {
             b"" => String::new(),
@@ -67,7 +67,7 @@ pub(super) async fn serve(
                 "A controller may start the motors.\n".to_owned()
             }
             b"help" => HELP.to_owned(),
-            _ => return complain(read, write, Wrong::Magic).await,
+            _ => return complain(read, write, Refusal::Magic).await,
         };
         if !say(&mut write, &text).await {
             return;
@@ -105,7 +105,7 @@ async fn say(write: &mut OwnedWriteHalf, text: &str) -> bool {
 }
 
 /// Says why the connection is closed.
-pub(super) async fn complain(read: OwnedReadHalf, write: OwnedWriteHalf, wrong: Wrong) {
+pub(super) async fn complain(read: OwnedReadHalf, write: OwnedWriteHalf, wrong: Refusal) {
     refuse(read, write, format!("error: {wrong}\n").as_bytes()).await;
 }
 

@@ -8,7 +8,7 @@ use motorlink_protocol::{MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_remote::{Ended, ViewerId};
 use tokio::sync::watch;
 
-use crate::control_socket::{DriveState, EndReason, NotArmed};
+use motorlink_controller_messages::{DriveState, EndReason, NotArmed};
 
 /// What one controller is told beside the state of the motors.
 #[derive(Clone, Debug, Default)]

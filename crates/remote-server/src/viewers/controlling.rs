@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use motorlink_bus::{Command, Consent, GroupSetpoints, StopReason};
+use motorlink_controller_messages::{DriveState, EndReason, NotArmed, Setpoints};
 use motorlink_driver::Status;
 use motorlink_protocol::{Instant, MotorId, Setpoint, SpeedTarget, family::Model};
 use motorlink_remote::{Participant, Stamp, Taken, ViewerId};
@@ -12,11 +13,11 @@ use super::{
     State, Viewers,
     controllers::{Controller, Own},
 };
-use crate::control_socket::{DriveState, EndReason, Line, NotArmed, Order};
+use crate::control_socket::Line;
 
 impl State {
     /// Takes control and starts these motors at 0 rpm.
-    fn arm(&mut self, now: Instant, viewer: ViewerId, order: &Order) -> Result<(), NotArmed> {
+    fn arm(&mut self, now: Instant, viewer: ViewerId, order: &Setpoints) -> Result<(), NotArmed> {
         if order.speeds.iter().any(|(_, speed)| *speed != 0.0) {
             return Err(NotArmed::NotZero);
         }
@@ -69,7 +70,7 @@ impl State {
     }
 
     /// Gives new setpoints to the bus, if this controller drives.
-    fn setpoints(&mut self, now: Instant, viewer: ViewerId, order: &Order) {
+    fn setpoints(&mut self, now: Instant, viewer: ViewerId, order: &Setpoints) {
         let operator = self.control.operator();
         let Some((_, epoch)) = operator.filter(|(holder, _)| *holder == viewer) else {
             return;
@@ -160,7 +161,7 @@ impl Viewers {
     }
 
     /// The controller asks for control, and starts its motors at 0 rpm.
-    pub(crate) fn arm(&self, viewer: ViewerId, order: &Order) {
+    pub(crate) fn arm(&self, viewer: ViewerId, order: &Setpoints) {
         let mut state = self.state();
         let now = state.clock.now();
         state.control.answer(now, viewer, order.challenge);
@@ -172,7 +173,7 @@ impl Viewers {
     }
 
     /// Setpoints, which answer a challenge too.
-    pub(crate) fn setpoints(&self, viewer: ViewerId, order: &Order) {
+    pub(crate) fn setpoints(&self, viewer: ViewerId, order: &Setpoints) {
         let mut state = self.state();
         let now = state.clock.now();
         state.control.answer(now, viewer, order.challenge);

@@ -1,7 +1,7 @@
 //! The bytes of the messages, as docs/socket.md has them.
+#![cfg(test)]
 
 use super::*;
-use crate::control_socket::messages::{DriveState, EndReason, NotArmed};
 
 /// ARM or SETPOINTS of motors 1 and 5 with 1.5 and -2 rad/s, number 7, challenge 0x0102030405060708.
 fn order_bytes(kind: u8) -> [u8; FROM_CLIENT] {
@@ -20,27 +20,40 @@ fn id(address: u8) -> MotorId {
 
 #[test]
 fn a_hello_has_magic_version_and_size() {
-    assert_eq!(hello(), [0x89, b'M', b'L', b'S', 1, 0, 0xA0, 1]);
+    assert_eq!(server_hello(), [0x89, b'M', b'L', b'S', 1, 0, 0xA0, 1]);
     assert_eq!(check_hello(b"\x89MLS\x01\x00\x38\x00"), Ok(()));
+    assert_eq!(client_hello(), b"\x89MLS\x01\x00\x38\x00");
+    assert_eq!(check_server_hello(b"\x89MLS\x01\x00\xA0\x01"), Ok(()));
+    assert!(check_server_hello(b"\x89MLS\x02\x00\xA0\x01").is_err());
+    assert!(check_server_hello(b"HTTP/1.1").is_err());
     let of_another = check_hello(b"\x89MLS\x02\x01\x38\x00");
-    assert_eq!(of_another, Err(Wrong::Version(258)));
-    assert_eq!(check_hello(b"GET / HT"), Err(Wrong::Magic));
+    assert_eq!(of_another, Err(Refusal::Version(258)));
+    assert_eq!(check_hello(b"GET / HT"), Err(Refusal::Magic));
 }
 
 #[test]
 fn the_messages_of_a_client_are_read() {
-    let order = Order {
+    let order = Setpoints {
         number: 7,
         challenge: 0x0102_0304_0506_0708,
         speeds: vec![(id(1), 1.5), (id(5), -2.0)],
     };
-    let arm = decode(&order_bytes(1));
+    let arm = decode_from_client(&order_bytes(1));
     assert_eq!(arm, Ok(FromClient::Arm(order.clone())));
-    let setpoints = decode(&order_bytes(2));
-    assert_eq!(setpoints, Ok(FromClient::Setpoints(order)));
+    let setpoints = decode_from_client(&order_bytes(2));
+    assert_eq!(setpoints, Ok(FromClient::Setpoints(order.clone())));
+    assert_eq!(
+        encode_from_client(&FromClient::Arm(order.clone())),
+        order_bytes(1)
+    );
+    assert_eq!(
+        encode_from_client(&FromClient::Setpoints(order)),
+        order_bytes(2)
+    );
     let mut disarm = [0; FROM_CLIENT];
     disarm[0] = 3;
-    assert_eq!(decode(&disarm), Ok(FromClient::Disarm));
+    assert_eq!(decode_from_client(&disarm), Ok(FromClient::Disarm));
+    assert_eq!(encode_from_client(&FromClient::Disarm), disarm);
 }
 
 #[test]
@@ -48,16 +61,16 @@ fn garbage_is_named() {
     let with = |place: usize, byte: u8| {
         let mut bytes = order_bytes(2);
         bytes[place] = byte;
-        decode(&bytes)
+        decode_from_client(&bytes)
     };
-    assert_eq!(with(0, 0), Err(Wrong::Kind(0)));
-    assert_eq!(with(0, 4), Err(Wrong::Kind(4)));
-    assert_eq!(with(1, 0), Err(Wrong::Motors));
-    assert_eq!(with(1, 9), Err(Wrong::Motors));
-    assert_eq!(with(16, 0), Err(Wrong::Motors));
-    assert_eq!(with(16, 255), Err(Wrong::Motors));
+    assert_eq!(with(0, 0), Err(Refusal::Kind(0)));
+    assert_eq!(with(0, 4), Err(Refusal::Kind(4)));
+    assert_eq!(with(1, 0), Err(Refusal::Motors));
+    assert_eq!(with(1, 9), Err(Refusal::Motors));
+    assert_eq!(with(16, 0), Err(Refusal::Motors));
+    assert_eq!(with(16, 255), Err(Refusal::Motors));
     // The same ID twice.
-    assert_eq!(with(16, 5), Err(Wrong::Motors));
+    assert_eq!(with(16, 5), Err(Refusal::Motors));
 }
 
 #[test]
@@ -73,9 +86,11 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
         holder: (Holder::You, 3),
         motors: vec![Motor {
             id: 5,
-            activity: 1,
-            flags: 2,
-            faults: 0x10,
+            activity: Activity::Driven,
+            may_turn: true,
+            faults: Some(0x10),
+            is_silent: false,
+            turns_unasked: false,
             reply_age: Some(500),
             position: Some((-2.0, 500)),
             velocity: Some((1.5, 500)),
@@ -83,7 +98,7 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
             temperature: Some((31.0, 70_000)),
         }],
     };
-    let bytes = encode(&state);
+    let bytes = encode_state(&state);
     assert_eq!(bytes.len(), FROM_SERVER);
     let head = [
         1, 5, 2, 0, 7, 0, 0, 0, 8, 7, 6, 5, 4, 3, 2, 1, 0x40, 0x42, 0x0F, 0, 0, 0, 0, 0, 3, 0, 0,
@@ -91,7 +106,7 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
     ];
     assert_eq!(bytes[..32], head);
     let motor = [
-        5, 1, 2, 0x10, 0xF4, 1, 0, 0, // motor, age of the reply
+        5, 1, 10, 0x10, 0xF4, 1, 0, 0, // motor, age of the reply
         0, 0, 0, 0, 0, 0, 0, 0xC0, // -2 rad
         0, 0, 0xC0, 0x3F, // 1.5 rad/s
         0, 0, 0xC0, 0x7F, // no current
@@ -99,6 +114,8 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
         0xF4, 1, 0, 0, 0xF4, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x70, 0x11, 1, 0, 0, 0, 0, 0,
     ];
     assert_eq!(bytes[32..80], motor);
+    let read = decode_from_server(&bytes.clone().try_into().unwrap());
+    assert_eq!(read, Some(FromServer::State(state.clone())));
     // A place without a motor.
     assert_eq!(bytes[80..88], [0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF]);
     let refused = State {
@@ -106,14 +123,16 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
         holder: (Holder::Page, 2),
         ..state
     };
-    let bytes = encode(&refused);
+    let bytes = encode_state(&refused);
     assert_eq!(bytes[1], 4);
     assert_eq!(bytes[24..32], [2, 0, 0, 0, 1, 1, 1, 0]);
+    let read = decode_from_server(&bytes.try_into().unwrap());
+    assert_eq!(read, Some(FromServer::State(refused)));
 }
 
 #[test]
 fn an_error_says_both_versions() {
-    let bytes = error(Wrong::Version(2));
+    let bytes = encode_error(Refusal::Version(2));
     assert_eq!(bytes.len(), FROM_SERVER);
     assert_eq!(bytes[..2], [2, 1]);
     let length = usize::from(u16::from_le_bytes([bytes[2], bytes[3]]));
@@ -123,4 +142,16 @@ fn an_error_says_both_versions() {
         "{text}"
     );
     assert!(bytes[4 + length..].iter().all(|byte| *byte == 0));
+    let read = decode_from_server(&bytes.clone().try_into().unwrap());
+    assert_eq!(read, Some(FromServer::Closes(text.to_owned())));
+}
+
+#[test]
+fn a_message_that_the_client_does_not_know_is_none() {
+    let mut bytes: [u8; FROM_SERVER] = encode_state(&State::default()).try_into().unwrap();
+    assert!(decode_from_server(&bytes).is_some());
+    bytes[2] = 6;
+    assert_eq!(decode_from_server(&bytes), None);
+    bytes[0] = 3;
+    assert_eq!(decode_from_server(&bytes), None);
 }
