@@ -9,6 +9,7 @@ use crate::claims;
 use crate::invariants;
 use crate::layers;
 use crate::process;
+use crate::ros;
 use crate::suite::{Step, Suite};
 use crate::tools;
 use crate::translations;
@@ -41,7 +42,8 @@ pub static SUITE: Suite = Suite {
             on_request: false,
             run: |workspace| {
                 let args = ["fmt", "--all", "--check"];
-                process::run(&mut cargo::command(workspace, &args))
+                process::run(&mut cargo::command(workspace, &args))?;
+                ros::check_format(workspace)
             },
         },
         Step {

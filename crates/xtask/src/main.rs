@@ -27,6 +27,7 @@ mod process;
 mod programs;
 mod python;
 mod reliability;
+mod ros;
 mod sabotage;
 mod scenarios;
 mod serve;

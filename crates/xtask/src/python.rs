@@ -47,6 +47,12 @@ const PACKAGE: Environment = Environment {
     packages: &["maturin==1.16.0", "numpy==2.2.6"],
 };
 
+/// For messages of ROS 2.
+const ROS_READERS: Environment = Environment {
+    name: "ros-readers-1",
+    packages: &["rosbags==0.11.9"],
+};
+
 const CSV_TESTS: &str = "recorder";
 
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
@@ -120,6 +126,11 @@ pub fn open_csv_files(workspace: &Workspace) -> Result<()> {
     let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
     test.arg("libreoffice");
     process::run(test.env("MOTORLINK_LIBREOFFICE", libreoffice))
+}
+
+/// A Python that reads messages of ROS 2.
+pub fn with_rosbags() -> Result<PathBuf> {
+    ensure(&ROS_READERS)
 }
 
 /// The tests of a program that need this environment.

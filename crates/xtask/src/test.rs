@@ -8,6 +8,7 @@ use crate::npm;
 use crate::page_tests;
 use crate::process;
 use crate::python;
+use crate::ros;
 use crate::scenarios;
 use crate::site;
 use crate::site_file::Profile;
@@ -116,6 +117,15 @@ pub static SUITE: Suite = Suite {
             nice: 0,
             on_request: true,
             run: python::open_csv_files,
+        },
+        Step {
+            name: "ros",
+            about: "the topics of ROS 2: lints and tests of crates/ros, with Zenoh, hiroz and rosbags",
+            needs: &[],
+            beside: None,
+            nice: 0,
+            on_request: true,
+            run: ros::test,
         },
         Step {
             name: "checks",

@@ -1,0 +1,412 @@
+//! From commands to the motors: when they are armed, moved and stopped.
+//!
+//! A command that moves the robot arms the motors. What ends a drive, other than commands that cease, ends it for as long as somebody
+//! goes on asking: **before the next drive, nobody may ask for as long as a command counts.** A program that publishes for ever, or a
+//! stick that is held, drives nothing after a STOP, a fault, a takeover, an emergency stop, or a restart of this program.
+
+use std::time::{Duration, Instant};
+
+use motorlink_controller_messages::{
+    DriveState, EndReason, FromClient, NotArmed, Setpoints, State,
+};
+use motorlink_protocol::MotorId;
+
+use crate::{cmd_vel::CmdVel, rover::Rover};
+
+/// Motors that turn are stopped first, and switched to another loop. After so long, it has failed.
+const START_MAX: Duration = Duration::from_secs(5);
+
+/// Decides what motorlink is told.
+#[derive(Debug)]
+pub struct Drive {
+    phase: Phase,
+    /// The number of the newest ARM.
+    number: u32,
+    /// When nobody may ask from, before the next drive.
+    must_rest: Option<Instant>,
+    is_e_stopped: bool,
+    why: Why,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    Starting { since: Instant },
+    Driving,
+    Stopping,
+}
+
+/// Why nothing is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// Nobody asks.
+    NotAsked,
+    /// motorlink has not started the motors.
+    Refused(NotArmed),
+    /// motorlink has ended the drive.
+    Ended(EndReason),
+    /// The motors were not started in time.
+    NotInTime,
+    /// There is no connection to motorlink.
+    NoConnection,
+    /// An emergency stop, and no reset since.
+    EStop,
+}
+
+impl std::fmt::Display for Why {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotAsked => f.write_str("nobody asks it to move"),
+            Self::Refused(why) => why.fmt(f),
+            Self::Ended(why) => why.fmt(f),
+            Self::NotInTime => f.write_str("the motors were not started in time"),
+            Self::NoConnection => f.write_str("no connection to motorlink"),
+            Self::EStop => f.write_str("emergency stop"),
+        }
+    }
+}
+
+impl Drive {
+    /// At the start of the program.
+    #[must_use]
+    pub const fn new(now: Instant) -> Self {
+        Self {
+            phase: Phase::Idle,
+            number: 0,
+            must_rest: Some(now),
+            is_e_stopped: false,
+            why: Why::NotAsked,
+        }
+    }
+
+    /// Whether the motors are driven, and if not, why.
+    ///
+    /// # Errors
+    ///
+    /// Why they are not.
+    pub const fn is_driving(&self) -> Result<(), Why> {
+        match self.phase {
+            Phase::Driving => Ok(()),
+            _ if self.is_e_stopped => Err(Why::EStop),
+            _ => Err(self.why),
+        }
+    }
+
+    /// Whether the robot waits for the end of commands before it drives.
+    #[must_use]
+    pub const fn must_rest(&self) -> bool {
+        self.must_rest.is_some()
+    }
+
+    /// Emergency stop: nothing is driven before a reset.
+    pub const fn e_stop(&mut self) {
+        self.is_e_stopped = true;
+    }
+
+    /// Ends an emergency stop. Starts nothing.
+    pub const fn reset(&mut self, now: Instant) {
+        self.is_e_stopped = false;
+        self.must_rest = Some(now);
+        self.why = Why::NotAsked;
+    }
+
+    /// The connection is gone, and with it the drive.
+    pub const fn disconnected(&mut self, now: Instant) {
+        self.phase = Phase::Idle;
+        self.end(now, Why::NoConnection);
+    }
+
+    const fn end(&mut self, now: Instant, why: Why) {
+        self.why = why;
+        self.must_rest = Some(now);
+    }
+
+    /// What motorlink is told now, by its newest state. Call it every 10 ms, and more often if states come.
+    pub fn step(
+        &mut self,
+        now: Instant,
+        state: &State,
+        cmd_vel: &CmdVel,
+        rover: &Rover,
+    ) -> Option<FromClient> {
+        if self
+            .must_rest
+            .is_some_and(|since| cmd_vel.rests(now, since))
+        {
+            self.must_rest = None;
+        }
+        let may_drive = !self.is_e_stopped && self.must_rest.is_none();
+        let wanted = cmd_vel.wanted(now).filter(|_| may_drive);
+        match self.phase {
+            Phase::Idle => {
+                let is_moved = wanted.is_some_and(|twist| {
+                    let speeds = rover.speeds(&twist);
+                    speeds.iter().any(|(_, speed)| *speed != 0.0)
+                });
+                if !is_moved {
+                    return None;
+                }
+                self.number = self.number.wrapping_add(1);
+                self.phase = Phase::Starting { since: now };
+                Some(FromClient::Arm(self.setpoints(state, rover.at_rest())))
+            }
+            Phase::Starting { since } => {
+                if state.arm.0 == self.number {
+                    if let Some(why) = state.arm.1 {
+                        self.phase = Phase::Idle;
+                        self.end(now, Why::Refused(why));
+                        return None;
+                    }
+                    if state.ended != EndReason::None {
+                        return Some(self.give_up(now, Why::Ended(state.ended)));
+                    }
+                    if state.drive == DriveState::Driven {
+                        self.phase = Phase::Driving;
+                    }
+                }
+                if now.duration_since(since) > START_MAX {
+                    return Some(self.give_up(now, Why::NotInTime));
+                }
+                if wanted.is_none() {
+                    return Some(self.stop());
+                }
+                Some(FromClient::Setpoints(
+                    self.setpoints(state, rover.at_rest()),
+                ))
+            }
+            Phase::Driving => {
+                if state.ended != EndReason::None {
+                    return Some(self.give_up(now, Why::Ended(state.ended)));
+                }
+                let Some(twist) = wanted else {
+                    return Some(self.stop());
+                };
+                let speeds = rover.speeds(&twist);
+                Some(FromClient::Setpoints(self.setpoints(state, speeds)))
+            }
+            Phase::Stopping => {
+                let is_stopping = matches!(
+                    state.drive,
+                    DriveState::Driven | DriveState::Starting | DriveState::Stopping
+                );
+                if !is_stopping {
+                    self.phase = Phase::Idle;
+                }
+                None
+            }
+        }
+    }
+
+    /// Commands have ceased, or an emergency stop: the next ones drive again, if they may.
+    const fn stop(&mut self) -> FromClient {
+        self.phase = Phase::Stopping;
+        self.why = Why::NotAsked;
+        FromClient::Disarm
+    }
+
+    const fn give_up(&mut self, now: Instant, why: Why) -> FromClient {
+        self.phase = Phase::Stopping;
+        self.end(now, why);
+        FromClient::Disarm
+    }
+
+    fn setpoints(&self, state: &State, speeds: Vec<(MotorId, f32)>) -> Setpoints {
+        Setpoints {
+            number: self.number,
+            challenge: state.challenge,
+            speeds,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        node::messages::Twist,
+        rover::tests::{rover, twist},
+    };
+
+    const TIMEOUT: Duration = Duration::from_millis(500);
+
+    /// Time goes on in steps of 10 ms. motorlink starts at once, and stops within 200 ms.
+    struct Robot {
+        now: Instant,
+        cmd_vel: CmdVel,
+        drive: Drive,
+        state: State,
+        stops: u32,
+        /// The speeds of the newest setpoints that move the motors.
+        speeds: Vec<f32>,
+    }
+
+    impl Robot {
+        fn new() -> Self {
+            let now = Instant::now();
+            Self {
+                now,
+                cmd_vel: CmdVel::new(TIMEOUT, now),
+                drive: Drive::new(now),
+                state: State::default(),
+                stops: 0,
+                speeds: Vec::new(),
+            }
+        }
+
+        /// Goes on for `ms`, and asks for `twist` all the time if there is one.
+        fn run(&mut self, ms: u64, twist: Option<Twist>) {
+            for _ in 0..ms / 10 {
+                self.now += Duration::from_millis(10);
+                if let Some(twist) = twist {
+                    self.cmd_vel.take(self.now, twist, None);
+                }
+                self.state.challenge += 1;
+                if self.state.drive == DriveState::Stopping {
+                    self.stops += 1;
+                    if self.stops == 20 {
+                        self.state.drive = DriveState::Stands;
+                    }
+                }
+                let told = self
+                    .drive
+                    .step(self.now, &self.state, &self.cmd_vel, &rover());
+                match told {
+                    Some(FromClient::Arm(setpoints)) => {
+                        assert!(setpoints.speeds.iter().all(|(_, speed)| *speed == 0.0));
+                        self.state.arm = (setpoints.number, None);
+                        self.state.ended = EndReason::None;
+                        self.state.drive = DriveState::Driven;
+                    }
+                    Some(FromClient::Setpoints(setpoints)) => {
+                        assert_eq!(setpoints.challenge, self.state.challenge);
+                        self.speeds = setpoints.speeds.iter().map(|(_, speed)| *speed).collect();
+                    }
+                    Some(FromClient::Disarm) => self.end(EndReason::Disarmed),
+                    None => {}
+                }
+            }
+        }
+
+        fn end(&mut self, why: EndReason) {
+            if self.state.ended == EndReason::None {
+                self.state.ended = why;
+            }
+            self.state.drive = DriveState::Stopping;
+            self.stops = 0;
+            self.speeds.clear();
+        }
+
+        fn turns(&self) -> bool {
+            self.state.drive == DriveState::Driven && self.speeds.iter().any(|speed| *speed != 0.0)
+        }
+    }
+
+    #[test]
+    fn a_command_drives_and_its_end_stops() {
+        let mut robot = Robot::new();
+        robot.run(600, None);
+        robot.run(100, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.speeds, [10.0, -10.0]);
+        robot.run(490, None);
+        assert!(robot.turns());
+        robot.run(20, None);
+        assert!(!robot.turns());
+        assert_eq!(robot.drive.is_driving(), Err(Why::NotAsked));
+        // It may go on as soon as it stands.
+        robot.run(400, Some(twist(0.5, 0.0)));
+        assert!(robot.turns());
+    }
+
+    #[test]
+    fn zero_arms_nothing() {
+        let mut robot = Robot::new();
+        robot.run(2_000, Some(twist(0.0, 0.0)));
+        assert_eq!(robot.state.arm.0, 0);
+    }
+
+    #[test]
+    fn what_asks_already_at_the_start_drives_nothing() {
+        let mut robot = Robot::new();
+        robot.run(5_000, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.state.arm.0, 0);
+        robot.run(500, None);
+        robot.run(50, Some(twist(0.5, 0.0)));
+        assert!(robot.turns());
+    }
+
+    #[test]
+    fn after_each_end_it_drives_only_when_nobody_has_asked_for_a_while() {
+        type Ends = fn(&mut Robot);
+        let ends: [(&str, Ends); 5] = [
+            ("a fault", |robot| robot.end(EndReason::Fault)),
+            ("a person", |robot| robot.end(EndReason::Stopped)),
+            ("a page", |robot| robot.end(EndReason::Taken)),
+            ("the connection", |robot| {
+                robot.drive.disconnected(robot.now);
+                robot.end(EndReason::LeaseEnded);
+            }),
+            ("emergency stop and reset", |robot| {
+                robot.drive.e_stop();
+                robot.run(300, Some(twist(0.5, 0.0)));
+                assert!(!robot.turns());
+                robot.drive.reset(robot.now);
+            }),
+        ];
+        for (name, end) in ends {
+            let mut robot = Robot::new();
+            robot.run(600, None);
+            robot.run(100, Some(twist(0.5, 0.0)));
+            assert!(robot.turns(), "{name}");
+            end(&mut robot);
+            robot.run(5_000, Some(twist(0.5, 0.0)));
+            assert!(!robot.turns(), "{name}");
+            assert!(robot.drive.must_rest(), "{name}");
+            robot.run(500, Some(twist(0.0, 0.0)));
+            robot.run(50, Some(twist(0.5, 0.0)));
+            assert!(robot.turns(), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_emergency_stop_stops_at_once_and_holds() {
+        let mut robot = Robot::new();
+        robot.run(600, None);
+        robot.run(100, Some(twist(0.5, 0.0)));
+        robot.drive.e_stop();
+        robot.run(10, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.state.ended, EndReason::Disarmed);
+        robot.run(1_000, None);
+        robot.run(1_000, Some(twist(0.5, 0.0)));
+        assert!(!robot.turns());
+        assert_eq!(robot.drive.is_driving(), Err(Why::EStop));
+    }
+
+    #[test]
+    fn a_refusal_is_said_and_is_not_asked_again() {
+        let mut robot = Robot::new();
+        robot.run(600, None);
+        robot.cmd_vel.take(robot.now, twist(0.5, 0.0), None);
+        let told = robot
+            .drive
+            .step(robot.now, &robot.state, &robot.cmd_vel, &rover());
+        assert!(matches!(told, Some(FromClient::Arm(_))));
+        robot.state.arm = (1, Some(NotArmed::PageHasControl));
+        robot.run(2_000, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.state.arm.0, 1);
+        let why = Why::Refused(NotArmed::PageHasControl);
+        assert_eq!(robot.drive.is_driving(), Err(why));
+    }
+
+    #[test]
+    fn a_start_that_takes_too_long_is_given_up() {
+        let mut robot = Robot::new();
+        robot.run(600, None);
+        robot.run(10, Some(twist(0.5, 0.0)));
+        robot.state.drive = DriveState::Starting;
+        robot.run(4_900, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.state.ended, EndReason::None);
+        robot.run(200, Some(twist(0.5, 0.0)));
+        assert_eq!(robot.state.ended, EndReason::Disarmed);
+        assert_eq!(robot.drive.is_driving(), Err(Why::NotInTime));
+    }
+}
