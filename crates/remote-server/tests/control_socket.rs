@@ -442,6 +442,10 @@ fn clients_are_limited() {
     clients.pop();
     sleep(Duration::from_millis(200));
     assert!(ask(&server.path, "state\n").contains("motor 1 idle"));
+    // A stop needs no place.
+    clients.push(server.controller());
+    assert!(ask(&server.path, "state\n").contains("too many clients"));
+    assert!(ask(&server.path, "stop\n").contains("All motors are being stopped"));
 }
 
 #[test]

@@ -57,7 +57,7 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool)
         if has_place {
             text::serve(first, read, write, &viewers).await;
         } else {
-            text::complain(read, write, Refusal::TooMany).await;
+            text::serve_stop_only(first, read, write, &viewers).await;
         }
         return;
     }

@@ -56,11 +56,7 @@ pub(super) async fn serve(
                 }
                 return;
             }
-            b"stop" => {
-                viewers.stop_all();
-                viewers.log("a client of the socket stops all motors".to_owned());
-                "All motors are being stopped. state shows whether they stand.\n".to_owned()
-            }
+            b"stop" => stop(viewers).to_owned(),
             b"release" => {
                 viewers.release();
                 viewers.log("a client of the socket releases the motors".to_owned());
@@ -74,6 +70,30 @@ pub(super) async fn serve(
         }
         command.clear();
     }
+}
+
+/// Answers a client when there are too many: a stop is taken all the same.
+pub(super) async fn serve_stop_only(
+    first: [u8; 1],
+    mut read: OwnedReadHalf,
+    mut write: OwnedWriteHalf,
+    viewers: &Viewers,
+) {
+    let mut command = first.to_vec();
+    let line = timeout(PATIENCE, read_line(&mut command, &mut read)).await;
+    let is_whole = matches!(line, Ok(Read::Whole | Read::Ended));
+    if is_whole && command.trim_ascii() == b"stop" {
+        say(&mut write, stop(viewers)).await;
+    } else {
+        complain(read, write, Refusal::TooMany).await;
+    }
+}
+
+/// Stops all motors. Returns the answer.
+fn stop(viewers: &Viewers) -> &'static str {
+    viewers.stop_all();
+    viewers.log("a client of the socket stops all motors".to_owned());
+    "All motors are being stopped. state shows whether they stand.\n"
 }
 
 /// How a line has ended.
