@@ -9,7 +9,7 @@ use zenoh::Config;
 
 use crate::{
     node::names::NodeName,
-    odometry::WayFrom,
+    odometry::OdometrySource,
     rover::{Rover, Wheel},
 };
 
@@ -57,8 +57,8 @@ pub struct Arguments {
     #[arg(long, default_value_t = 50.0, value_name = "HZ")]
     pub rate: f64,
     /// From what the way of a wheel is known. A DDSM210 or DDSM400 needs `speed`.
-    #[arg(long, value_enum, default_value_t = WayFrom::Position)]
-    pub odometry: WayFrom,
+    #[arg(long, value_enum, default_value_t = OdometrySource::Position)]
+    pub odometry: OdometrySource,
     /// N·m/A, for `effort` in `joint_states`. None is built in: measure yours.
     #[arg(long, value_name = "NM_PER_A")]
     pub torque_constant: Option<f64>,
@@ -90,7 +90,7 @@ impl Arguments {
     ///
     /// # Errors
     ///
-    /// For an ID that is none or appears twice, and for a measure that no rover has.
+    /// For an invalid ID, one that appears twice, and for a measure that no rover has.
     pub fn rover(&self) -> Result<Rover> {
         let mut wheels: Vec<Wheel> = Vec::new();
         for (texts, is_right) in [(&self.left, false), (&self.right, true)] {
@@ -131,7 +131,7 @@ impl Arguments {
             }
         };
         in_range("cmd-vel-timeout", self.cmd_vel_timeout, 0.05, 0.5)?;
-        in_range("rate", self.rate, 1.0, 200.0)?;
+        in_range("rate", self.rate, 1.0, 100.0)?;
         if let Some(constant) = self.torque_constant {
             in_range("torque-constant", constant, 0.01, 10.0)?;
         }
@@ -224,6 +224,7 @@ mod tests {
             &["--left", "1", "--right", "2", "--max-rpm", "NaN"],
             &["--left", "1", "--right", "2", "--cmd-vel-timeout", "0.6"],
             &["--left", "1", "--right", "2", "--rate", "0"],
+            &["--left", "1", "--right", "2", "--rate", "101"],
         ] {
             assert!(rover(wrong).is_err(), "{wrong:?}");
         }

@@ -1,9 +1,6 @@
 //! The newest command of `cmd_vel`, and for how long it counts.
 
-use std::{
-    collections::HashMap,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use crate::node::{attachment::Attachment, messages::Twist};
 
@@ -11,13 +8,16 @@ use crate::node::{attachment::Attachment, messages::Twist};
 const SPEED_MAX: f64 = 1_000.0;
 /// Senders that are remembered. More are no robot.
 const SENDERS_MAX: usize = 16;
-/// A clock may be so much faster or slower: 1 ms in a second.
-const DRIFT_PER: i64 = 1_000;
+/// A clock may be so much faster or slower: 500 ppm, as one that is set slowly, and up to 100 ms.
+const DRIFT_PER: i64 = 2_000;
+const DRIFT_MAX_NS: i64 = 100_000_000;
+/// Nobody asks when no command that moves the robot has come for so long: a slow publisher sends one a second.
+pub const REST: Duration = Duration::from_secs(2);
 /// Less is no delay that matters.
 const LATE_NS: i64 = 100_000_000;
 /// Messages that stay so late for so long come from a sender whose clock was set.
 const CLOCK_SET_AFTER: Duration = Duration::from_secs(1);
-/// Messages that were held up come close together: their delay falls. That of a clock that was set changes no more than this.
+/// Messages that were delayed come close together: their delay falls. That of a clock that was set changes no more than this.
 const STEADY_NS: i64 = 50_000_000;
 
 /// What is asked of the robot.
@@ -30,7 +30,10 @@ pub struct CmdVel {
     newest: Option<(Instant, Twist)>,
     /// The newest command that moves the robot, in time or late.
     moving: Option<Instant>,
-    senders: HashMap<[u8; 16], Sender>,
+    /// The newest last.
+    senders: Vec<([u8; 16], Sender)>,
+    /// When a sender was last heard again after a silence in which it has sent more.
+    missed: Option<Instant>,
 }
 
 /// What became of a message.
@@ -38,8 +41,11 @@ pub struct CmdVel {
 pub enum Taken {
     /// It is the newest command.
     InTime,
-    /// The network has held it up for longer than a command counts, or it came out of order.
+    /// The network has delayed it for longer than a command counts, or it came out of order, or its sender is not known long enough
+    /// to tell.
     TooLate,
+    /// The clock of its sender was set, or the network delays all of it: which one is not known.
+    ClockSet,
     /// It has a value that is no speed of a robot: no number, or 1,000 and more. No command counts any more.
     NoSpeed,
 }
@@ -53,7 +59,8 @@ impl CmdVel {
             start,
             newest: None,
             moving: None,
-            senders: HashMap::new(),
+            senders: Vec::new(),
+            missed: None,
         }
     }
 
@@ -69,33 +76,66 @@ impl CmdVel {
         if values != [0.0, 0.0] {
             self.moving = Some(now);
         }
-        let delay = attachment.map_or(Some(Duration::ZERO), |attachment| {
-            self.delay(now, attachment)
-        });
-        // A command that was held up counts for what is left of its time.
-        let from = delay.and_then(|delay| now.checked_sub(delay));
-        match from.filter(|from| now.duration_since(*from) < self.timeout) {
-            Some(from) => {
+        let delay = match attachment {
+            Some(attachment) => self.delay(now, attachment),
+            None => Ok(Duration::ZERO),
+        };
+        // A command that was delayed counts for what is left of its time.
+        let from = delay.map(|delay| now.checked_sub(delay));
+        match from {
+            Ok(Some(from)) if now.duration_since(from) < self.timeout => {
                 self.newest = Some((from, twist));
                 Taken::InTime
             }
-            None => Taken::TooLate,
+            Ok(_) => Taken::TooLate,
+            Err(taken) => taken,
         }
     }
 
-    /// How much longer than the fastest of its sender the message was on its way; `None` for one that comes out of order.
-    fn delay(&mut self, now: Instant, attachment: Attachment) -> Option<Duration> {
-        if self.senders.len() >= SENDERS_MAX && !self.senders.contains_key(&attachment.sender) {
-            self.senders.clear();
+    /// How much longer than the fastest of its sender the message was on its way.
+    fn delay(&mut self, now: Instant, attachment: Attachment) -> Result<Duration, Taken> {
+        let at_ns = nanoseconds(now.saturating_duration_since(self.start));
+        let mut known = self.senders.iter();
+        let place = known.position(|(name, _)| *name == attachment.sender);
+        let place = place.unwrap_or_else(|| {
+            if self.senders.len() >= SENDERS_MAX {
+                self.senders.remove(0);
+            }
+            let sender = Sender {
+                since_ns: at_ns,
+                newest_ns: at_ns,
+                ..Sender::default()
+            };
+            self.senders.push((attachment.sender, sender));
+            self.senders.len() - 1
+        });
+        let Some((_, sender)) = self.senders.get_mut(place) else {
+            return Err(Taken::TooLate);
+        };
+        let before = sender.number.unwrap_or(attachment.number.saturating_sub(1));
+        if before >= attachment.number {
+            return Err(Taken::TooLate);
         }
-        let at_ns = nanoseconds(now.duration_since(self.start));
-        let sender = self.senders.entry(attachment.sender).or_default();
-        if sender.number >= attachment.number {
-            return None;
+        sender.number = Some(attachment.number);
+        let silence_ns = at_ns - sender.newest_ns;
+        sender.newest_ns = at_ns;
+        let is_cut = before.saturating_add(1) < attachment.number;
+        if is_cut && silence_ns >= nanoseconds(self.timeout) {
+            self.missed = Some(now);
         }
-        sender.number = attachment.number;
-        let delay_ns = sender.delay_ns(at_ns, at_ns.saturating_sub(attachment.sent_ns));
-        Some(Duration::from_nanos(u64::try_from(delay_ns).unwrap_or(0)))
+        let delay_ns = sender.delay_ns(at_ns, at_ns.saturating_sub(attachment.sent_ns))?;
+        // Of messages that were all delayed, each one looks like the fastest.
+        if at_ns - sender.since_ns < nanoseconds(self.timeout) {
+            return Err(Taken::TooLate);
+        }
+        Ok(Duration::from_nanos(u64::try_from(delay_ns).unwrap_or(0)))
+    }
+
+    /// Whether a silence of the last 2 s was none: its sender has sent more, and it has not come through.
+    #[must_use]
+    pub fn has_missed(&self, now: Instant) -> bool {
+        let missed = self.missed;
+        missed.is_some_and(|at| now.saturating_duration_since(at) < REST)
     }
 
     /// The command that counts; `None` if commands have ceased.
@@ -105,19 +145,23 @@ impl CmdVel {
         (now.duration_since(from) < self.timeout).then_some(twist)
     }
 
-    /// Whether nobody has asked the robot to move since `since`, for as long as a command counts.
+    /// Whether nobody has asked the robot to move since `since`, for the time of [`REST`].
     #[must_use]
     pub fn rests(&self, now: Instant, since: Instant) -> bool {
         let last = self.moving.map_or(since, |moving| moving.max(since));
-        now.duration_since(last) >= self.timeout
+        now.duration_since(last) >= REST
     }
 }
 
 /// A publisher.
 #[derive(Debug, Default)]
 struct Sender {
-    /// The number of its newest message.
-    number: i64,
+    /// When its first message came.
+    since_ns: i64,
+    /// When its newest message came.
+    newest_ns: i64,
+    /// The number of that message.
+    number: Option<i64>,
     /// Its smallest difference between arrival and sending, by the two clocks, and when it was found.
     fastest_ns: Option<(i64, i64)>,
     /// When its messages began to be late, and by how much.
@@ -125,31 +169,31 @@ struct Sender {
 }
 
 impl Sender {
-    fn delay_ns(&mut self, at_ns: i64, difference_ns: i64) -> i64 {
+    fn delay_ns(&mut self, at_ns: i64, difference_ns: i64) -> Result<i64, Taken> {
         let Some((found_ns, fastest_ns)) = self.fastest_ns else {
             self.fastest_ns = Some((at_ns, difference_ns));
-            return 0;
+            return Ok(0);
         };
-        let drift_ns = (at_ns - found_ns) / DRIFT_PER;
+        let drift_ns = ((at_ns - found_ns) / DRIFT_PER).min(DRIFT_MAX_NS);
         let delay_ns = difference_ns.saturating_sub(fastest_ns.saturating_add(drift_ns));
         let (since_ns, first_ns) = match self.late {
             _ if delay_ns <= 0 => {
                 (self.fastest_ns, self.late) = (Some((at_ns, difference_ns)), None);
-                return 0;
+                return Ok(0);
             }
             _ if delay_ns < LATE_NS => {
                 self.late = None;
-                return delay_ns;
+                return Ok(delay_ns);
             }
             Some(late) if (delay_ns - late.1).abs() <= STEADY_NS => late,
             _ => (at_ns, delay_ns),
         };
         if at_ns - since_ns >= nanoseconds(CLOCK_SET_AFTER) {
             (self.fastest_ns, self.late) = (Some((at_ns, difference_ns)), None);
-            return 0;
+            return Err(Taken::ClockSet);
         }
         self.late = Some((since_ns, first_ns));
-        delay_ns
+        Ok(delay_ns)
     }
 }
 
@@ -175,12 +219,15 @@ mod tests {
     impl Publisher {
         fn new() -> Self {
             let start = Instant::now();
-            Self {
+            let mut publisher = Self {
                 start,
                 cmd_vel: CmdVel::new(Duration::from_millis(500), start),
                 number: 0,
                 clock_ms: 1_700_000_000_000,
-            }
+            };
+            // Its clock is known.
+            assert_eq!(publisher.sent(0, 10), Taken::TooLate);
+            publisher
         }
 
         fn at(&self, ms: u64) -> Instant {
@@ -207,99 +254,124 @@ mod tests {
     #[test]
     fn a_command_counts_for_its_time_only() {
         let mut publisher = Publisher::new();
-        assert_eq!(publisher.sent(0, 10), Taken::InTime);
-        assert!(publisher.is_asked(509));
-        assert!(!publisher.is_asked(510));
+        assert_eq!(publisher.sent(1_000, 1_010), Taken::InTime);
+        assert!(publisher.is_asked(1_509));
+        assert!(!publisher.is_asked(1_510));
     }
 
     #[test]
-    fn a_command_that_was_held_up_counts_for_what_is_left() {
+    fn a_command_that_was_delayed_counts_for_what_is_left() {
         let mut publisher = Publisher::new();
-        publisher.sent(0, 10);
-        assert_eq!(publisher.sent(100, 410), Taken::InTime);
-        assert!(publisher.is_asked(600));
-        assert!(!publisher.is_asked(615));
+        assert_eq!(publisher.sent(1_100, 1_410), Taken::InTime);
+        assert!(publisher.is_asked(1_600));
+        assert!(!publisher.is_asked(1_615));
     }
 
     #[test]
-    fn what_a_network_held_up_for_seconds_drives_nothing() {
+    fn what_a_network_delayed_for_seconds_drives_nothing() {
         let mut publisher = Publisher::new();
-        publisher.sent(0, 10);
         // 50 messages of 20 Hz arrive together, 3 s after the first of them was sent.
         for number in 1..50 {
             let sent = publisher.sent(number * 50, 3_000 + number);
-            assert_eq!(
-                sent == Taken::InTime,
-                number * 50 + 500 > 3_000 + number - 10
-            );
+            assert_eq!(sent, Taken::TooLate);
         }
         assert!(!publisher.is_asked(3_100));
-        assert_eq!(
-            publisher.sent(3_200, 3_210),
-            Taken::InTime,
-            "the network is well again"
-        );
+        let sent = publisher.sent(3_200, 3_210);
+        assert_eq!(sent, Taken::InTime, "the network has recovered");
     }
 
     #[test]
-    fn a_clock_that_was_set_stops_the_robot_for_a_second_at_most() {
+    fn what_an_unknown_sender_has_sent_long_ago_drives_nothing() {
         let mut publisher = Publisher::new();
-        for ms in (0..1_000).step_by(50) {
+        publisher.cmd_vel = CmdVel::new(Duration::from_millis(500), publisher.start);
+        for number in 1..50 {
+            let sent = publisher.sent(number * 50, 3_000 + number);
+            assert_eq!(sent, Taken::TooLate);
+        }
+        assert_eq!(publisher.sent(3_600, 3_610), Taken::InTime);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_is_said_after_a_second() {
+        let mut publisher = Publisher::new();
+        for ms in (550..1_000).step_by(50) {
             assert_eq!(publisher.sent(ms, ms), Taken::InTime);
         }
         publisher.clock_ms -= 3_600_000;
         for ms in (1_000..2_000).step_by(50) {
             assert_eq!(publisher.sent(ms, ms), Taken::TooLate);
         }
-        assert_eq!(publisher.sent(2_000, 2_000), Taken::InTime);
-        publisher.clock_ms += 7_200_000;
+        assert_eq!(publisher.sent(2_000, 2_000), Taken::ClockSet);
         assert_eq!(publisher.sent(2_050, 2_050), Taken::InTime);
+        publisher.clock_ms += 7_200_000;
+        assert_eq!(publisher.sent(2_100, 2_100), Taken::InTime);
     }
 
     #[test]
-    fn a_clock_that_drifts_holds_nothing_up() {
-        let mut publisher = Publisher::new();
-        for second in 0..20_000 {
-            // 500 ppm.
-            let sent = publisher.sent(second * 1_000 - second / 2, second * 1_000);
-            assert_eq!(sent, Taken::InTime);
-            assert!(publisher.is_asked(second * 1_000 + 450));
+    fn a_clock_that_drifts_delays_nothing() {
+        for ppm in [400_i64, -400] {
+            let mut publisher = Publisher::new();
+            let clock_ms = publisher.clock_ms;
+            for second in 1..20_000 {
+                publisher.clock_ms = clock_ms + ppm * i64::try_from(second).unwrap() / 1_000;
+                let sent = publisher.sent(second * 1_000, second * 1_000);
+                assert_eq!(sent, Taken::InTime);
+                assert!(publisher.is_asked(second * 1_000 + 390));
+            }
         }
+    }
+
+    #[test]
+    fn missing_messages_are_noticed() {
+        let mut publisher = Publisher::new();
+        let has_missed = |publisher: &Publisher, ms| {
+            let now = publisher.at(ms);
+            publisher.cmd_vel.has_missed(now)
+        };
+        publisher.sent(1_000, 1_000);
+        // A message that is lost while others come matters little.
+        publisher.number += 1;
+        publisher.sent(1_100, 1_100);
+        assert!(!has_missed(&publisher, 1_100));
+        publisher.number += 1;
+        publisher.sent(4_000, 4_000);
+        publisher.sent(4_001, 4_001);
+        assert!(has_missed(&publisher, 4_010));
+        assert!(!has_missed(&publisher, 6_001));
     }
 
     #[test]
     fn an_old_number_does_nothing() {
         let mut publisher = Publisher::new();
-        publisher.sent(0, 0);
-        publisher.number = 0;
-        assert_eq!(publisher.sent(100, 100), Taken::TooLate);
+        publisher.sent(1_000, 1_000);
+        publisher.number -= 1;
+        assert_eq!(publisher.sent(1_100, 1_100), Taken::TooLate);
     }
 
     #[test]
     fn what_is_no_speed_ends_the_command() {
         let mut publisher = Publisher::new();
         for wrong in [f64::NAN, f64::INFINITY, -1e300, 1_000.0] {
-            publisher.sent(0, 0);
-            assert!(publisher.is_asked(100), "{wrong}");
-            let now = publisher.at(100);
+            publisher.sent(1_000, 1_000);
+            assert!(publisher.is_asked(1_100), "{wrong}");
+            let now = publisher.at(1_100);
             let taken = publisher.cmd_vel.take(now, twist(wrong, 0.0), None);
             assert_eq!(taken, Taken::NoSpeed);
-            assert!(!publisher.is_asked(100), "{wrong}");
+            assert!(!publisher.is_asked(1_100), "{wrong}");
         }
     }
 
     #[test]
-    fn it_rests_when_nobody_asks_it_to_move() {
+    fn it_rests_when_nobody_has_asked_for_two_seconds() {
         let mut publisher = Publisher::new();
-        publisher.sent(0, 100);
-        let (now, since) = (publisher.at(599), publisher.at(0));
-        assert!(!publisher.cmd_vel.rests(now, since));
-        publisher.cmd_vel.take(now, twist(0.0, 0.0), None);
-        assert!(publisher.cmd_vel.rests(publisher.at(600), since));
-        assert!(
-            !publisher
-                .cmd_vel
-                .rests(publisher.at(600), publisher.at(101))
-        );
+        publisher.sent(1_000, 1_000);
+        let since = publisher.at(0);
+        assert!(!publisher.cmd_vel.rests(publisher.at(2_999), since));
+        publisher
+            .cmd_vel
+            .take(publisher.at(2_999), twist(0.0, 0.0), None);
+        assert!(publisher.cmd_vel.rests(publisher.at(3_000), since));
+        let later = publisher.at(1_001);
+        assert!(!publisher.cmd_vel.rests(publisher.at(3_000), later));
     }
 }

@@ -1,7 +1,7 @@
 //! From commands to the motors: when they are armed, moved and stopped.
 //!
 //! A command that moves the robot arms the motors. What ends a drive, other than commands that cease, ends it for as long as somebody
-//! goes on asking: **before the next drive, nobody may ask for as long as a command counts.** A program that publishes for ever, or a
+//! goes on asking: **before the next drive, no command that moves the robot may come for 2 s.** A program that publishes for ever, or a
 //! stick that is held, drives nothing after a STOP, a fault, a takeover, an emergency stop, or a restart of this program.
 
 use std::time::{Duration, Instant};
@@ -16,14 +16,20 @@ use crate::{cmd_vel::CmdVel, rover::Rover};
 /// Motors that turn are stopped first, and switched to another loop. After so long, it has failed.
 const START_MAX: Duration = Duration::from_secs(5);
 
+/// A program that was late by so much was frozen: what has come meanwhile is not known yet.
+const FROZEN: Duration = Duration::from_millis(100);
+
 /// Decides what motorlink is told.
 #[derive(Debug)]
 pub struct Drive {
     phase: Phase,
     /// The number of the newest ARM.
     number: u32,
-    /// When nobody may ask from, before the next drive.
+    /// Since when nobody may ask, before the next drive.
     must_rest: Option<Instant>,
+    /// Nothing was driven since such an end.
+    is_after_end: bool,
+    stepped: Instant,
     is_e_stopped: bool,
     why: Why,
 }
@@ -51,6 +57,12 @@ pub enum Why {
     NoConnection,
     /// An emergency stop, and no reset since.
     EStop,
+    /// A value of a command was no speed.
+    NoSpeed,
+    /// The clock of a sender was set.
+    ClockSet,
+    /// This program or the computer was frozen or slept.
+    Frozen,
 }
 
 impl std::fmt::Display for Why {
@@ -62,6 +74,9 @@ impl std::fmt::Display for Why {
             Self::NotInTime => f.write_str("the motors were not started in time"),
             Self::NoConnection => f.write_str("no connection to motorlink"),
             Self::EStop => f.write_str("emergency stop"),
+            Self::NoSpeed => f.write_str("a command had a value that is no speed"),
+            Self::ClockSet => f.write_str("the clock of a sender was set, or the network is slow"),
+            Self::Frozen => f.write_str("the program or the computer was frozen"),
         }
     }
 }
@@ -74,6 +89,8 @@ impl Drive {
             phase: Phase::Idle,
             number: 0,
             must_rest: Some(now),
+            is_after_end: true,
+            stepped: now,
             is_e_stopped: false,
             why: Why::NotAsked,
         }
@@ -92,6 +109,12 @@ impl Drive {
         }
     }
 
+    /// Whether nothing is driven, started or stopped.
+    #[must_use]
+    pub const fn is_idle(&self) -> bool {
+        matches!(self.phase, Phase::Idle)
+    }
+
     /// Whether the robot waits for the end of commands before it drives.
     #[must_use]
     pub const fn must_rest(&self) -> bool {
@@ -106,8 +129,7 @@ impl Drive {
     /// Ends an emergency stop. Starts nothing.
     pub const fn reset(&mut self, now: Instant) {
         self.is_e_stopped = false;
-        self.must_rest = Some(now);
-        self.why = Why::NotAsked;
+        self.end(now, Why::NotAsked);
     }
 
     /// The connection is gone, and with it the drive.
@@ -116,19 +138,26 @@ impl Drive {
         self.end(now, Why::NoConnection);
     }
 
-    const fn end(&mut self, now: Instant, why: Why) {
+    /// Ends the drive. The next step stops it.
+    pub const fn end(&mut self, now: Instant, why: Why) {
         self.why = why;
         self.must_rest = Some(now);
+        self.is_after_end = true;
     }
 
-    /// What motorlink is told now, by its newest state. Call it every 10 ms, and more often if states come.
+    /// What motorlink is told now, by its newest state, if there is one. Call it every 10 ms.
     pub fn step(
         &mut self,
         now: Instant,
-        state: &State,
+        state: Option<&State>,
         cmd_vel: &CmdVel,
         rover: &Rover,
     ) -> Option<FromClient> {
+        if now.duration_since(self.stepped) > FROZEN {
+            self.end(now, Why::Frozen);
+        }
+        self.stepped = now;
+        let state = state?;
         if self
             .must_rest
             .is_some_and(|since| cmd_vel.rests(now, since))
@@ -146,6 +175,12 @@ impl Drive {
                 if !is_moved {
                     return None;
                 }
+                if self.is_after_end && cmd_vel.has_missed(now) {
+                    // It may have asked all the time, and nothing has come through.
+                    self.must_rest = Some(now);
+                    return None;
+                }
+                self.is_after_end = false;
                 self.number = self.number.wrapping_add(1);
                 self.phase = Phase::Starting { since: now };
                 Some(FromClient::Arm(self.setpoints(state, rover.at_rest())))
@@ -185,6 +220,9 @@ impl Drive {
                 Some(FromClient::Setpoints(self.setpoints(state, speeds)))
             }
             Phase::Stopping => {
+                if !matches!(state.ended, EndReason::None | EndReason::Disarmed) {
+                    self.end(now, Why::Ended(state.ended));
+                }
                 let is_stopping = matches!(
                     state.drive,
                     DriveState::Driven | DriveState::Starting | DriveState::Stopping
@@ -197,10 +235,12 @@ impl Drive {
         }
     }
 
-    /// Commands have ceased, or an emergency stop: the next ones drive again, if they may.
+    /// Commands have ceased, or the drive was ended.
     const fn stop(&mut self) -> FromClient {
         self.phase = Phase::Stopping;
-        self.why = Why::NotAsked;
+        if self.must_rest.is_none() {
+            self.why = Why::NotAsked;
+        }
         FromClient::Disarm
     }
 
@@ -223,7 +263,7 @@ impl Drive {
 mod tests {
     use super::*;
     use crate::{
-        node::messages::Twist,
+        node::{attachment::Attachment, messages::Twist},
         rover::tests::{rover, twist},
     };
 
@@ -231,6 +271,7 @@ mod tests {
 
     /// Time goes on in steps of 10 ms. motorlink starts at once, and stops within 200 ms.
     struct Robot {
+        start: Instant,
         now: Instant,
         cmd_vel: CmdVel,
         drive: Drive,
@@ -244,6 +285,7 @@ mod tests {
         fn new() -> Self {
             let now = Instant::now();
             Self {
+                start: now,
                 now,
                 cmd_vel: CmdVel::new(TIMEOUT, now),
                 drive: Drive::new(now),
@@ -269,7 +311,7 @@ mod tests {
                 }
                 let told = self
                     .drive
-                    .step(self.now, &self.state, &self.cmd_vel, &rover());
+                    .step(self.now, Some(&self.state), &self.cmd_vel, &rover());
                 match told {
                     Some(FromClient::Arm(setpoints)) => {
                         assert!(setpoints.speeds.iter().all(|(_, speed)| *speed == 0.0));
@@ -304,7 +346,7 @@ mod tests {
     #[test]
     fn a_command_drives_and_its_end_stops() {
         let mut robot = Robot::new();
-        robot.run(600, None);
+        robot.run(2_100, None);
         robot.run(100, Some(twist(0.5, 0.0)));
         assert_eq!(robot.speeds, [10.0, -10.0]);
         robot.run(490, None);
@@ -329,7 +371,7 @@ mod tests {
         let mut robot = Robot::new();
         robot.run(5_000, Some(twist(0.5, 0.0)));
         assert_eq!(robot.state.arm.0, 0);
-        robot.run(500, None);
+        robot.run(2_000, None);
         robot.run(50, Some(twist(0.5, 0.0)));
         assert!(robot.turns());
     }
@@ -337,7 +379,19 @@ mod tests {
     #[test]
     fn after_each_end_it_drives_only_when_nobody_has_asked_for_a_while() {
         type Ends = fn(&mut Robot);
-        let ends: [(&str, Ends); 5] = [
+        let ends: [(&str, Ends); 8] = [
+            ("a freeze", |robot| {
+                robot.now += Duration::from_secs(5);
+                robot.end(EndReason::LeaseEnded);
+            }),
+            ("a freeze while it stops", |robot| {
+                robot.run(510, None);
+                robot.now += Duration::from_secs(5);
+            }),
+            ("no speed", |robot| {
+                robot.drive.end(robot.now, Why::NoSpeed);
+                robot.run(20, Some(twist(0.5, 0.0)));
+            }),
             ("a fault", |robot| robot.end(EndReason::Fault)),
             ("a person", |robot| robot.end(EndReason::Stopped)),
             ("a page", |robot| robot.end(EndReason::Taken)),
@@ -354,23 +408,56 @@ mod tests {
         ];
         for (name, end) in ends {
             let mut robot = Robot::new();
-            robot.run(600, None);
+            robot.run(2_100, None);
             robot.run(100, Some(twist(0.5, 0.0)));
             assert!(robot.turns(), "{name}");
             end(&mut robot);
             robot.run(5_000, Some(twist(0.5, 0.0)));
             assert!(!robot.turns(), "{name}");
             assert!(robot.drive.must_rest(), "{name}");
-            robot.run(500, Some(twist(0.0, 0.0)));
+            robot.run(2_000, Some(twist(0.0, 0.0)));
             robot.run(50, Some(twist(0.5, 0.0)));
             assert!(robot.turns(), "{name}");
         }
     }
 
     #[test]
+    fn after_an_end_a_sender_whose_messages_were_lost_must_rest_again() {
+        let mut robot = Robot::new();
+        robot.run(2_100, None);
+        let mut number = 0;
+        let mut ask = |robot: &mut Robot, ms: u64, lost: i64| {
+            number += lost;
+            for _ in 0..ms / 10 {
+                number += 1;
+                let since = robot.now.duration_since(robot.start).as_nanos();
+                let attachment = Attachment {
+                    number,
+                    sent_ns: i64::try_from(since).unwrap(),
+                    sender: [1; 16],
+                };
+                let asked = twist(0.5, 0.0);
+                robot.cmd_vel.take(robot.now, asked, Some(attachment));
+                robot.run(10, None);
+            }
+        };
+        ask(&mut robot, 700, 0);
+        assert!(robot.turns());
+        robot.end(EndReason::Fault);
+        ask(&mut robot, 300, 0);
+        // The network is gone for 3 s, and the sender goes on asking.
+        robot.run(3_000, None);
+        ask(&mut robot, 1_000, 300);
+        assert!(!robot.turns());
+        robot.run(2_100, None);
+        ask(&mut robot, 300, 0);
+        assert!(robot.turns());
+    }
+
+    #[test]
     fn an_emergency_stop_stops_at_once_and_holds() {
         let mut robot = Robot::new();
-        robot.run(600, None);
+        robot.run(2_100, None);
         robot.run(100, Some(twist(0.5, 0.0)));
         robot.drive.e_stop();
         robot.run(10, Some(twist(0.5, 0.0)));
@@ -384,11 +471,11 @@ mod tests {
     #[test]
     fn a_refusal_is_said_and_is_not_asked_again() {
         let mut robot = Robot::new();
-        robot.run(600, None);
+        robot.run(2_100, None);
         robot.cmd_vel.take(robot.now, twist(0.5, 0.0), None);
         let told = robot
             .drive
-            .step(robot.now, &robot.state, &robot.cmd_vel, &rover());
+            .step(robot.now, Some(&robot.state), &robot.cmd_vel, &rover());
         assert!(matches!(told, Some(FromClient::Arm(_))));
         robot.state.arm = (1, Some(NotArmed::PageHasControl));
         robot.run(2_000, Some(twist(0.5, 0.0)));
@@ -400,7 +487,7 @@ mod tests {
     #[test]
     fn a_start_that_takes_too_long_is_given_up() {
         let mut robot = Robot::new();
-        robot.run(600, None);
+        robot.run(2_100, None);
         robot.run(10, Some(twist(0.5, 0.0)));
         robot.state.drive = DriveState::Starting;
         robot.run(4_900, Some(twist(0.5, 0.0)));

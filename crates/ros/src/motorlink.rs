@@ -9,7 +9,7 @@ use std::{
     time::Duration,
 };
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use motorlink_controller_messages::{
     FROM_SERVER, FromClient, FromServer, HELLO, State, check_server_hello, client_hello,
     decode_from_server, encode_from_client,
@@ -45,7 +45,7 @@ impl Connection {
         let mut stream = connect(path)?;
         stream.write_all(&client_hello())?;
         let mut hello = [0; HELLO];
-        stream.read_exact(&mut hello).context("no answer")?;
+        stream.read_exact(&mut hello).map_err(no_answer)?;
         if let Err(why) = check_server_hello(&hello) {
             bail!(why);
         }
@@ -101,18 +101,40 @@ fn pass_on(mut reading: UnixStream, to: &impl Fn(FromMotorlink) -> bool) -> Stri
     }
 }
 
-/// Gives the text form a command, on a connection of its own, and waits for its answer.
+/// Stops all motors, whoever drives them.
 ///
 /// # Errors
 ///
-/// When nobody listens there, or does not answer.
-pub fn command(path: &Path, command: &str) -> Result<String> {
+/// When nobody listens there, or motorlink does not say that it stops them.
+pub fn stop_all(path: &Path) -> Result<()> {
+    command(path, "stop", "All motors are being stopped.")
+}
+
+/// Lets controllers start motors again after a stop by a person.
+///
+/// # Errors
+///
+/// When nobody listens there, or motorlink does not say that they may.
+pub fn release(path: &Path) -> Result<()> {
+    command(path, "release", "A controller may start the motors.")
+}
+
+/// Gives the text form a command, on a connection of its own, and waits for its answer.
+fn command(path: &Path, command: &str, done: &str) -> Result<()> {
     let mut stream = connect(path)?;
     writeln!(stream, "{command}")?;
     stream.shutdown(Shutdown::Write)?;
     let mut answer = String::new();
-    stream.read_to_string(&mut answer).context("no answer")?;
-    Ok(answer)
+    stream.read_to_string(&mut answer).map_err(no_answer)?;
+    if !answer.starts_with(done) {
+        bail!("motorlink answers {:?} to {command}", answer.trim_end());
+    }
+    Ok(())
+}
+
+/// The error of the system would say that a resource is temporarily unavailable.
+fn no_answer(_: io::Error) -> anyhow::Error {
+    anyhow!("motorlink does not answer within a second")
 }
 
 fn connect(path: &Path) -> Result<UnixStream> {

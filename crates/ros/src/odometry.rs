@@ -20,7 +20,7 @@ const FOLLOWED_US: u32 = 100_000;
 
 /// From what the way of a wheel is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum WayFrom {
+pub enum OdometrySource {
     /// Its position. DDSM115, M0601 and DDSM315.
     Position,
     /// Its speed. DDSM210 and DDSM400, which tell their position too rarely.
@@ -30,7 +30,7 @@ pub enum WayFrom {
 /// Adds up the way of the robot.
 #[derive(Debug)]
 pub struct Odometry {
-    from: WayFrom,
+    from: OdometrySource,
     /// Ahead and to the right in mm, clockwise in degrees: see [`Pose`].
     pose: Pose,
     /// For each wheel of the rover: its position, ahead in rad, when the way was counted last.
@@ -56,7 +56,7 @@ pub struct Moved {
 impl Odometry {
     /// The robot begins at 0.
     #[must_use]
-    pub fn new(from: WayFrom) -> Self {
+    pub fn new(from: OdometrySource) -> Self {
         Self {
             from,
             pose: Pose::default(),
@@ -115,8 +115,10 @@ impl Odometry {
                 };
                 let velocity = wheel.sign() * f64::from(velocity);
                 let turned = match self.from {
-                    WayFrom::Position => counted.zip(*before).map(|(now, before)| now - before),
-                    WayFrom::Speed => Some(velocity * seconds),
+                    OdometrySource::Position => {
+                        counted.zip(*before).map(|(now, before)| now - before)
+                    }
+                    OdometrySource::Speed => Some(velocity * seconds),
                 };
                 if let Some(turned) = turned {
                     way += turned;
@@ -148,9 +150,8 @@ impl Odometry {
 /// Where a motor is when the state is sent: its position, and what it has turned since by its speed.
 fn place(motor: &Motor) -> Option<f64> {
     let (position, age) = motor.position?;
-    let followed = motor.velocity.filter(|_| age < FOLLOWED_US);
-    let turned = followed.map_or(0.0, |(velocity, _)| {
-        f64::from(velocity) * f64::from(age) / 1e6
+    let turned = motor.velocity.map_or(0.0, |(velocity, _)| {
+        f64::from(velocity) * f64::from(age.min(FOLLOWED_US)) / 1e6
     });
     Some(position + turned)
 }
@@ -171,7 +172,7 @@ mod tests {
     }
 
     impl Wheels {
-        fn new(from: WayFrom) -> Self {
+        fn new(from: OdometrySource) -> Self {
             Self {
                 odometry: Odometry::new(from),
                 now: Instant::now(),
@@ -215,7 +216,7 @@ mod tests {
 
     #[test]
     fn ahead_and_a_turn_to_the_left_have_the_signs_of_ros() {
-        for from in [WayFrom::Position, WayFrom::Speed] {
+        for from in [OdometrySource::Position, OdometrySource::Speed] {
             let mut wheels = Wheels::new(from);
             wheels.turn([0.0, 0.0]);
             let moved = wheels.turn([10.0, 10.0]).unwrap();
@@ -234,7 +235,7 @@ mod tests {
 
     #[test]
     fn what_was_not_counted_is_a_gap_and_no_way() {
-        let mut wheels = Wheels::new(WayFrom::Position);
+        let mut wheels = Wheels::new(OdometrySource::Position);
         wheels.turn([10.0, 10.0]);
         wheels.reply_age = Some(1_200_000);
         assert_eq!(wheels.turn([10.0, 10.0]), None);

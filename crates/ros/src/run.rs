@@ -12,14 +12,15 @@ use std::{
 };
 
 use anyhow::{Context as _, Result};
-use motorlink_controller_messages::{Activity, FromClient, State};
+use motorlink_controller_messages::{Activity, DriveState, FromClient, Motor, State};
+use rustix::time::{ClockId, clock_gettime};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::{
     arguments::Arguments,
     cmd_vel::{CmdVel, Taken},
-    drive::Drive,
-    motorlink::{Connection, FromMotorlink, command},
+    drive::{Drive, Why},
+    motorlink::{self, Connection, FromMotorlink},
     node::{
         Listening, Node, Request, Topic,
         attachment::Attachment,
@@ -30,7 +31,7 @@ use crate::{
     },
     odometry::{Moved, Odometry},
     rover::Rover,
-    telemetry::{self, OfNode},
+    telemetry::{self, NodeStatus},
 };
 
 /// motorlink is told something at least so often: its lease lasts 100 ms.
@@ -40,6 +41,10 @@ const RETRY: Duration = Duration::from_secs(1);
 /// How long an emergency stop may take until its answer says that it is not confirmed.
 const STOP_MAX: Duration = Duration::from_secs(2);
 const EVERY_SECOND: Duration = Duration::from_secs(1);
+/// The only stop that is left.
+const NOT_CONFIRMED: &str = "NOT CONFIRMED THAT THE MOTORS STAND. The power switch stops them";
+/// A wheel that turns no faster stands: 2 rpm, in which a speed is told.
+const AT_REST_RAD_PER_S: f32 = 0.22;
 /// Messages that wait to be sent. A network that is slow loses the next ones.
 const WAITING_MAX: usize = 64;
 
@@ -47,12 +52,16 @@ const WAITING_MAX: usize = 64;
 enum Input {
     /// Of this connection.
     Motorlink(u32, FromMotorlink),
-    Twist(Twist, Option<Attachment>),
+    /// The answer to an attempt to connect.
+    Connected(u32, Result<Connection>),
+    /// When it came.
+    Twist(Instant, Twist, Option<Attachment>),
     EStop(Request),
     Reset(Request),
-    /// What the text form has answered.
-    StopSent(Result<String>),
-    ResetSent(Result<String>, Request),
+    /// Whether motorlink has taken an emergency stop.
+    StopSent(Result<()>),
+    /// The answer to a reset, and how many emergency stops there had been when it was asked for.
+    ResetSent(Result<()>, Request, u32),
     Quit,
 }
 
@@ -92,22 +101,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         socket: arguments.socket.clone(),
         to,
         outputs,
+        timeout: arguments.timeout(),
         cmd_vel: CmdVel::new(arguments.timeout(), now),
+        slept: slept(),
         drive: Drive::new(now),
         odometry: Odometry::new(arguments.odometry),
         rover,
         torque_constant: arguments.torque_constant,
-        prefix: (!arguments.no_tf, arguments.frame_prefix.clone()),
+        has_transform: !arguments.no_tf,
+        prefix: arguments.frame_prefix.clone(),
+        name: arguments.node_name()?.to_string(),
         period: Duration::from_secs_f64(1.0 / arguments.rate),
         connection: None,
         connections: 0,
-        has_armed: false,
         tried: None,
         state: None,
-        published: now,
-        told: now,
+        publishes: now,
+        published: None,
+        diagnosed: now,
         late: 0,
         stops: Vec::new(),
+        e_stops: 0,
         stop_sent: None,
     };
     robot.run(&inputs);
@@ -127,12 +141,12 @@ fn listen(node: &Node, to: &Sender<Input>) -> Result<[Listening; 4]> {
     Ok([
         node.subscribe::<Twist>("cmd_vel", move |bytes, attachment| {
             if let Some(twist) = decode(bytes) {
-                let _ = plain.send(Input::Twist(twist, attachment));
+                let _ = plain.send(Input::Twist(Instant::now(), twist, attachment));
             }
         })?,
         node.subscribe::<TwistStamped>("cmd_vel", move |bytes, attachment| {
             if let Some(TwistStamped { twist, .. }) = decode(bytes) {
-                let _ = stamped.send(Input::Twist(twist, attachment));
+                let _ = stamped.send(Input::Twist(Instant::now(), twist, attachment));
             }
         })?,
         node.serve::<Trigger>("hardware/e_stop_trigger", move |request| {
@@ -189,27 +203,36 @@ struct Robot {
     socket: PathBuf,
     to: Sender<Input>,
     outputs: SyncSender<Output>,
+    timeout: Duration,
     cmd_vel: CmdVel,
+    /// For how long the computer had slept at the last step.
+    slept: Duration,
     drive: Drive,
     odometry: Odometry,
     rover: Rover,
     torque_constant: Option<f64>,
-    /// Whether a transform is sent, and what is before its frames.
-    prefix: (bool, String),
+    has_transform: bool,
+    /// Before the frames.
+    prefix: String,
+    /// With its namespace.
+    name: String,
     period: Duration,
     connection: Option<Connection>,
     /// Counts them.
     connections: u32,
-    /// Whether it has ever driven.
-    has_armed: bool,
     tried: Option<Instant>,
     /// The newest state, and when it came.
     state: Option<(Instant, SystemTime, State)>,
-    published: Instant,
-    told: Instant,
+    /// When it publishes next.
+    publishes: Instant,
+    /// When the state came that was published last.
+    published: Option<Instant>,
+    diagnosed: Instant,
     late: u32,
     /// Emergency stops that wait for the motors, each until when.
     stops: Vec<(Instant, Request)>,
+    /// Counts emergency stops.
+    e_stops: u32,
     /// When motorlink has taken the newest of them.
     stop_sent: Option<Instant>,
 }
@@ -222,10 +245,9 @@ impl Robot {
             let now = Instant::now();
             if let Some(since) = quits {
                 let is_over = now.duration_since(since) > STOP_MAX;
-                let stands = !self.has_armed || self.stands();
-                if stands || self.connection.is_none() || is_over {
-                    if !stands {
-                        say("NOT CONFIRMED THAT THE MOTORS STAND. The power switch stops them");
+                if self.drive.is_idle() || is_over {
+                    if is_over || self.drive_state() == DriveState::NotConfirmed {
+                        say(NOT_CONFIRMED);
                     }
                     return;
                 }
@@ -256,70 +278,108 @@ impl Robot {
                 self.state = Some((now, SystemTime::now(), *state));
             }
             Input::Motorlink(_, FromMotorlink::Lost(why)) => self.lost(&why),
-            Input::Twist(twist, attachment) => match self.cmd_vel.take(now, twist, attachment) {
+            Input::Connected(number, result) => self.connected(number, result),
+            Input::Twist(at, twist, attachment) => match self.cmd_vel.take(at, twist, attachment) {
                 Taken::InTime => {}
                 Taken::TooLate => self.late += 1,
-                Taken::NoSpeed => say("cmd_vel has a value that is no speed: stopped"),
+                Taken::ClockSet => self.drive.end(now, Why::ClockSet),
+                Taken::NoSpeed => self.drive.end(now, Why::NoSpeed),
             },
             Input::EStop(request) => {
+                self.stop_all();
                 self.drive.e_stop();
                 self.step();
-                self.stop_sent = None;
+                self.e_stops += 1;
                 self.stops.push((now + STOP_MAX, request));
-                let (socket, to) = (self.socket.clone(), self.to.clone());
-                thread::spawn(move || {
-                    // The program may have ended.
-                    let _ = to.send(Input::StopSent(command(&socket, "stop")));
-                });
                 say("emergency stop");
             }
-            Input::StopSent(Ok(_)) => self.stop_sent = Some(now),
+            Input::StopSent(Ok(())) => self.stop_sent = Some(now),
             Input::StopSent(Err(error)) => {
                 let message = format!("NOT STOPPED: {error:#}. The power switch stops the motors");
                 say(&message);
                 for (_, request) in self.stops.drain(..) {
-                    request.answer(&answer(false, message.clone()));
+                    reply(request, false, &message);
                 }
+            }
+            Input::Reset(request) if !self.stops.is_empty() => {
+                reply(request, false, "not released: the motors are being stopped");
             }
             Input::Reset(request) => {
                 let (socket, to) = (self.socket.clone(), self.to.clone());
+                let before = self.e_stops;
                 thread::spawn(move || {
+                    let answer = motorlink::release(&socket);
                     // The program may have ended.
-                    let _ = to.send(Input::ResetSent(command(&socket, "release"), request));
+                    let _ = to.send(Input::ResetSent(answer, request, before));
                 });
             }
-            Input::ResetSent(Ok(_), request) => {
+            // The release may have come after the stop.
+            Input::ResetSent(_, request, before) if before != self.e_stops => {
+                self.stop_all();
+                reply(
+                    request,
+                    false,
+                    "not released: there is a newer emergency stop",
+                );
+            }
+            Input::ResetSent(Ok(()), request, _) => {
                 self.drive.reset(now);
                 say("reset after an emergency stop");
-                let message = "released: drives after cmd_vel has ceased";
-                request.answer(&answer(true, message.to_owned()));
+                reply(
+                    request,
+                    true,
+                    "released: drives after cmd_vel has rested for 2 s",
+                );
             }
-            Input::ResetSent(Err(error), request) => {
-                request.answer(&answer(false, format!("not released: {error:#}")));
+            Input::ResetSent(Err(error), request, _) => {
+                reply(request, false, &format!("not released: {error:#}"));
             }
             Input::Quit => {}
         }
     }
 
+    /// Stops all motors, whoever drives them.
+    fn stop_all(&mut self) {
+        self.stop_sent = None;
+        let (socket, to) = (self.socket.clone(), self.to.clone());
+        thread::spawn(move || {
+            let until = Instant::now() + STOP_MAX / 2;
+            let mut stopped = motorlink::stop_all(&socket);
+            while stopped.is_err() && Instant::now() < until {
+                thread::sleep(10 * STEP);
+                stopped = motorlink::stop_all(&socket);
+            }
+            // The program may have ended.
+            let _ = to.send(Input::StopSent(stopped));
+        });
+    }
+
     fn step(&mut self) {
         let now = Instant::now();
         self.connect(now);
-        if let Some((_, _, state)) = &self.state {
-            let message = self.drive.step(now, state, &self.cmd_vel, &self.rover);
-            if let Some(message) = message {
-                self.has_armed |= matches!(message, FromClient::Arm(_));
-                self.send(&message);
-            }
+        let slept = slept();
+        if slept.saturating_sub(std::mem::replace(&mut self.slept, slept)) > 10 * STEP {
+            // What was asked before is not asked now.
+            self.cmd_vel = CmdVel::new(self.timeout, now);
+            self.drive.end(now, Why::Frozen);
+        }
+        let state = self.state.as_ref().map(|(_, _, state)| state);
+        let message = self.drive.step(now, state, &self.cmd_vel, &self.rover);
+        if let Some(message) = message {
+            self.send(&message);
         }
         self.answer_stops(now);
-        if now.duration_since(self.published) >= self.period {
-            // Without what was missed.
-            self.published = now;
-            self.publish(now);
+        if now >= self.publishes {
+            self.publishes += self.period;
+            if self.publishes < now {
+                // Without what was missed.
+                self.publishes = now;
+            }
+            self.publish();
         }
-        if now.duration_since(self.told) >= EVERY_SECOND {
-            self.told = now;
-            self.tell();
+        if now.duration_since(self.diagnosed) >= EVERY_SECOND {
+            self.diagnosed = now;
+            self.diagnose();
         }
     }
 
@@ -328,16 +388,32 @@ impl Robot {
         if self.connection.is_some() || !is_due {
             return;
         }
-        let is_first = self.tried.replace(now).is_none();
+        self.tried = Some(now);
         self.connections += 1;
-        let (number, to) = (self.connections, self.to.clone());
-        let pass_on = move |message| to.send(Input::Motorlink(number, message)).is_ok();
-        match Connection::open(&self.socket, pass_on) {
+        let (number, socket, to) = (self.connections, self.socket.clone(), self.to.clone());
+        // A server that hangs delays nothing here.
+        thread::spawn(move || {
+            let of_connection = to.clone();
+            let pass_on = move |message| {
+                of_connection
+                    .send(Input::Motorlink(number, message))
+                    .is_ok()
+            };
+            let connection = Connection::open(&socket, pass_on);
+            // The program may have ended.
+            let _ = to.send(Input::Connected(number, connection));
+        });
+    }
+
+    fn connected(&mut self, number: u32, result: Result<Connection>) {
+        match result {
+            // Another attempt has begun meanwhile.
+            Ok(_) if number != self.connections => {}
             Ok(connection) => {
                 say(&format!("connected to {}", self.socket.display()));
                 self.connection = Some(connection);
             }
-            Err(error) if is_first => say(&format!("{error:#}. Trying again")),
+            Err(error) if number == 1 => say(&format!("{error:#}. Trying again")),
             Err(_) => {}
         }
     }
@@ -358,36 +434,54 @@ impl Robot {
         }
         say(&format!("connection lost: {why}"));
         self.tried = Some(Instant::now());
+        // States of it may wait.
+        self.connections += 1;
         self.state = None;
         self.drive.disconnected(Instant::now());
         self.odometry.cut_off();
     }
 
-    /// Whether every motor of the rover is known to stand.
-    fn stands(&self) -> bool {
-        let Some((_, _, state)) = &self.state else {
+    /// Whether every motor of the rover is known to stand, by a reply since then.
+    fn stands(&self, since: Instant) -> bool {
+        let Some((at, _, state)) = &self.state else {
             return false;
+        };
+        if !state.is_open || !state.is_halted {
+            return false;
+        }
+        let elapsed_us = at.saturating_duration_since(since).as_micros();
+        let replied = |motor: &Motor| {
+            motor
+                .reply_age
+                .is_some_and(|age| u128::from(age) < elapsed_us)
+        };
+        let is_at_rest = |motor: &Motor| {
+            let velocity = motor.velocity;
+            velocity.is_some_and(|(velocity, _)| velocity.abs() < AT_REST_RAD_PER_S)
         };
         self.rover.wheels.iter().all(|wheel| {
             let mut motors = state.motors.iter();
             motors
                 .find(|motor| motor.id == wheel.id.get())
-                .is_some_and(|motor| motor.activity == Activity::Idle && !motor.may_turn)
+                .is_some_and(|motor| {
+                    motor.activity == Activity::Idle
+                        && !motor.may_turn
+                        && replied(motor)
+                        && is_at_rest(motor)
+                })
         })
     }
 
     /// Answers emergency stops once the motors stand, or have not stood in time.
     fn answer_stops(&mut self, now: Instant) {
-        let is_new = |sent: Instant| self.state.as_ref().is_some_and(|(at, ..)| *at > sent);
-        let stands = self.stop_sent.is_some_and(is_new) && self.stands();
+        let stands = self.stop_sent.is_some_and(|sent| self.stands(sent));
         let mut waiting = Vec::new();
         for (until, request) in self.stops.drain(..) {
             if stands {
-                request.answer(&answer(true, "the motors stand, confirmed".to_owned()));
+                reply(request, true, "the motors stand, confirmed");
             } else if now >= until {
-                let message = "NOT CONFIRMED THAT THE MOTORS STAND. The power switch stops them";
-                say(message);
-                request.answer(&answer(false, message.to_owned()));
+                say(NOT_CONFIRMED);
+                reply(request, false, NOT_CONFIRMED);
             } else {
                 waiting.push((until, request));
             }
@@ -395,18 +489,24 @@ impl Robot {
         self.stops = waiting;
     }
 
-    fn publish(&mut self, now: Instant) {
+    /// What has become of the newest drive.
+    fn drive_state(&self) -> DriveState {
+        let state = self.state.as_ref();
+        state.map_or(DriveState::None, |(_, _, state)| state.drive)
+    }
+
+    fn publish(&mut self) {
         let Some((at, clock, state)) = &self.state else {
             return;
         };
         // A state is told once only.
-        if now.duration_since(*at) > self.period.max(2 * STEP) {
+        if self.published.replace(*at) == Some(*at) {
             return;
         }
         let joints = telemetry::joint_states(*clock, state, &self.rover, self.torque_constant);
         let moved: Option<Moved> = self.odometry.advance(*at, state, &self.rover);
         let stamp = telemetry::time(*clock, Duration::ZERO);
-        let (has_transform, prefix) = &self.prefix;
+        let (has_transform, prefix) = (self.has_transform, &self.prefix);
         let moved = moved.map(|moved| {
             let transform = has_transform.then(|| telemetry::transform(stamp, &moved, prefix));
             Output::Moved(
@@ -421,8 +521,9 @@ impl Robot {
     }
 
     /// Once a second.
-    fn tell(&mut self) {
-        let of_node = OfNode {
+    fn diagnose(&mut self) {
+        let of_node = NodeStatus {
+            name: self.name.clone(),
             drives: self.drive.is_driving().map_err(|why| why.to_string()),
             must_rest: self.drive.must_rest(),
             gaps: self.odometry.gaps(),
@@ -436,7 +537,7 @@ impl Robot {
             return;
         };
         for (index, wheel) in self.rover.wheels.iter().enumerate() {
-            if let Some(message) = telemetry::temperature(*clock, wheel, state) {
+            if let Some(message) = telemetry::temperature(*clock, wheel, state, &self.prefix) {
                 let _ = self.outputs.try_send(Output::Temperature(index, message));
             }
         }
@@ -448,6 +549,14 @@ fn say(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-const fn answer(success: bool, message: String) -> TriggerResponse {
-    TriggerResponse { success, message }
+/// For how long the computer has slept since it started. A sleep stops the clock of [`Instant`].
+fn slept() -> Duration {
+    let since_start = |clock| Duration::try_from(clock_gettime(clock)).unwrap_or_default();
+    since_start(ClockId::Boottime).saturating_sub(since_start(ClockId::Monotonic))
+}
+
+/// Answers a request. The network may take its time.
+fn reply(request: Request, success: bool, message: &str) {
+    let message = message.to_owned();
+    thread::spawn(move || request.answer(&TriggerResponse { success, message }));
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use motorlink_controller_messages::{Activity, Holder, Motor, State};
+use motorlink_controller_messages::{Activity, DriveState, Holder, Motor, State};
 
 use crate::{
     node::messages::{
@@ -149,13 +149,18 @@ pub fn transform(stamp: Time, moved: &Moved, prefix: &str) -> TfMessage {
 
 /// The temperature of a motor; `None` if it is not known.
 #[must_use]
-pub fn temperature(now: SystemTime, wheel: &Wheel, state: &State) -> Option<Temperature> {
+pub fn temperature(
+    now: SystemTime,
+    wheel: &Wheel,
+    state: &State,
+    prefix: &str,
+) -> Option<Temperature> {
     let motor = state
         .motors
         .iter()
         .find(|motor| motor.id == wheel.id.get())?;
     let (degrees, age) = motor.temperature?;
-    let frame = wheel.joint.trim_end_matches("_joint").to_owned();
+    let frame = format!("{prefix}{}", wheel.joint.trim_end_matches("_joint"));
     Some(Temperature {
         header: header(time(now, micros(age)), frame),
         temperature: degrees.into(),
@@ -165,7 +170,9 @@ pub fn temperature(now: SystemTime, wheel: &Wheel, state: &State) -> Option<Temp
 
 /// What the node itself has to say.
 #[derive(Debug)]
-pub struct OfNode {
+pub struct NodeStatus {
+    /// With its namespace.
+    pub name: String,
     /// Whether it drives, and if not, why.
     pub drives: Result<(), String>,
     /// It drives only after nobody has asked for a while.
@@ -182,7 +189,7 @@ pub fn diagnostics(
     stamp: Time,
     state: Option<&State>,
     rover: &Rover,
-    of_node: &OfNode,
+    of_node: &NodeStatus,
 ) -> DiagnosticArray {
     let mut status = vec![of_drive(state, of_node)];
     for wheel in &rover.wheels {
@@ -190,7 +197,7 @@ pub fn diagnostics(
             let mut motors = state.motors.iter();
             motors.find(|motor| motor.id == wheel.id.get())
         });
-        status.push(of_motor(wheel, motor));
+        status.push(of_motor(wheel, motor, &of_node.name));
     }
     DiagnosticArray {
         header: header(stamp, String::new()),
@@ -198,14 +205,22 @@ pub fn diagnostics(
     }
 }
 
-fn of_drive(state: Option<&State>, of_node: &OfNode) -> DiagnosticStatus {
+fn of_drive(state: Option<&State>, of_node: &NodeStatus) -> DiagnosticStatus {
     let (level, message) = match (&of_node.drives, state) {
         (_, None) => (ERROR, "no connection to motorlink".to_owned()),
         (_, Some(state)) if !state.is_open => (ERROR, "motorlink has no serial port".to_owned()),
         (Ok(()), _) => (OK, "drives".to_owned()),
+        (_, Some(state)) if state.drive == DriveState::Starting => (OK, "starting".to_owned()),
+        (_, Some(state)) if state.drive == DriveState::Stopping => {
+            (OK, "the motors are being stopped".to_owned())
+        }
+        (Err(why), Some(state)) if state.drive == DriveState::NotConfirmed => (
+            ERROR,
+            format!("NOT CONFIRMED THAT THE MOTORS STAND. Stopped: {why}"),
+        ),
         (Err(why), _) if of_node.must_rest => (
             WARNING,
-            format!("stopped: {why}. Drives again after cmd_vel has ceased"),
+            format!("stopped: {why}. Drives again after cmd_vel has rested for 2 s"),
         ),
         (Err(why), _) => (OK, format!("stopped: {why}")),
     };
@@ -217,9 +232,9 @@ fn of_drive(state: Option<&State>, of_node: &OfNode) -> DiagnosticStatus {
     });
     DiagnosticStatus {
         level,
-        name: "motorlink: drive".to_owned(),
+        name: format!("{}: drive", of_node.name),
         message,
-        hardware_id: "motorlink".to_owned(),
+        hardware_id: of_node.name.clone(),
         values: values([
             ("control", control),
             ("gaps in the odometry", of_node.gaps.to_string()),
@@ -228,7 +243,7 @@ fn of_drive(state: Option<&State>, of_node: &OfNode) -> DiagnosticStatus {
     }
 }
 
-fn of_motor(wheel: &Wheel, motor: Option<&Motor>) -> DiagnosticStatus {
+fn of_motor(wheel: &Wheel, motor: Option<&Motor>, node: &str) -> DiagnosticStatus {
     let id = wheel.id.get();
     let (level, message) = match motor {
         None => (STALE, "no reply yet".to_owned()),
@@ -260,7 +275,7 @@ fn of_motor(wheel: &Wheel, motor: Option<&Motor>) -> DiagnosticStatus {
     };
     DiagnosticStatus {
         level,
-        name: format!("motorlink: motor {id}"),
+        name: format!("{node}: motor {id}"),
         message,
         hardware_id: format!("motor {id} ({})", wheel.joint),
         values: motor.map_or_else(Vec::new, |motor| {
@@ -344,7 +359,8 @@ mod tests {
     }
 
     fn levels(state: Option<&State>, drives: Result<(), String>) -> Vec<(u8, String)> {
-        let of_node = OfNode {
+        let of_node = NodeStatus {
+            name: "/motorlink".to_owned(),
             must_rest: drives.is_err(),
             drives,
             gaps: 0,
@@ -381,11 +397,18 @@ mod tests {
             told[0],
             (
                 WARNING,
-                "stopped: a page has control. Drives again after cmd_vel has ceased".to_owned()
+                "stopped: a page has control. Drives again after cmd_vel has rested for 2 s"
+                    .to_owned()
             )
         );
         assert_eq!(told[1].0, ERROR);
         assert_eq!(told[2], (STALE, "no reply yet".to_owned()));
+        let stopped = State {
+            drive: DriveState::NotConfirmed,
+            ..state(vec![])
+        };
+        let told = levels(Some(&stopped), Err("disarmed".to_owned()));
+        assert_eq!(told[0].0, ERROR);
         assert_eq!(levels(None, Ok(()))[0].0, ERROR);
     }
 }

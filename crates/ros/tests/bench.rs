@@ -8,7 +8,7 @@ use std::{
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
     sync::{
         Arc, Mutex,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::{self, sleep},
     time::{Duration, Instant},
@@ -24,6 +24,8 @@ use zenoh::{Config, Session, Wait as _};
 
 /// A busy machine is slow.
 pub const PATIENCE: Duration = Duration::from_secs(20);
+/// Before a first drive, nobody may ask for 2 s.
+pub const RESTS: Duration = Duration::from_millis(2_300);
 /// A command counts for so long, and a stop at this speed takes less than the rest.
 pub const STOPS_WITHIN: Duration = Duration::from_millis(500 + 700);
 
@@ -242,8 +244,7 @@ impl Bench {
         );
         thread::spawn(move || lines.for_each(|line| println!("motorlink-ros: {line}")));
         self.ros = Some(Program(child));
-        // Until then, what asks already drives nothing.
-        sleep(Duration::from_millis(700));
+        sleep(RESTS);
     }
 
     /// A node of hiroz.
@@ -279,6 +280,7 @@ impl Bench {
 /// Publishes what is asked at 20 Hz, as `Twist`.
 pub struct Asking {
     asked: Arc<Mutex<Option<(f64, f64)>>>,
+    pause: Arc<AtomicU64>,
     ends: Arc<AtomicBool>,
 }
 
@@ -286,8 +288,10 @@ impl Asking {
     pub fn new(node: &ZNode) -> Self {
         let publisher = node.create_pub::<Twist>("cmd_vel").build().unwrap();
         let (asked, ends) = (Arc::new(Mutex::new(None)), Arc::new(AtomicBool::new(false)));
+        let pause = Arc::new(AtomicU64::new(50));
         let asking = Self {
             asked: Arc::clone(&asked),
+            pause: Arc::clone(&pause),
             ends: Arc::clone(&ends),
         };
         thread::spawn(move || {
@@ -296,10 +300,15 @@ impl Asking {
                 if let Some((x, z)) = twist {
                     publisher.publish(&twist_of(x, z)).unwrap();
                 }
-                sleep(Duration::from_millis(50));
+                sleep(Duration::from_millis(pause.load(Ordering::Relaxed)));
             }
         });
         asking
+    }
+
+    /// Publishes once in so many milliseconds.
+    pub fn every(&self, ms: u64) {
+        self.pause.store(ms, Ordering::Relaxed);
     }
 
     pub fn ask(&self, twist: Option<(f64, f64)>) {

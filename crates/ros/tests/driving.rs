@@ -1,13 +1,17 @@
 //! What moves the wheels, and what stops them.
 
 use std::{
-    io::Read as _, io::Write as _, os::unix::net::UnixStream, thread::sleep, time::Duration,
+    io::Read as _,
+    io::Write as _,
+    os::unix::net::UnixStream,
+    thread::sleep,
+    time::{Duration, Instant},
 };
 
 use hiroz::Builder as _;
 use hiroz_msgs::{geometry_msgs::TwistStamped, std_msgs::Header};
 
-use crate::bench::{Asking, Bench, STOPS_WITHIN, call, twist_of};
+use crate::bench::{Asking, Bench, RESTS, STOPS_WITHIN, call, twist_of};
 
 const AHEAD: (f64, f64) = (0.4, 0.0);
 
@@ -63,6 +67,11 @@ fn a_stamped_twist_drives_too() {
 fn an_emergency_stop_holds_until_a_reset_which_starts_nothing() {
     let mut bench = Bench::start(&[]);
     let node = bench.node();
+    for service in ["hardware/e_stop_trigger", "hardware/e_stop_reset"] {
+        let answer = call(&node, service);
+        assert!(answer.success, "wheels that stand: {}", answer.message);
+    }
+    sleep(RESTS);
     let asking = Asking::new(&node);
     bench.drive(&asking, AHEAD, 70.0);
     let answer = call(&node, "hardware/e_stop_trigger");
@@ -72,9 +81,41 @@ fn an_emergency_stop_holds_until_a_reset_which_starts_nothing() {
     let answer = call(&node, "hardware/e_stop_reset");
     assert!(answer.success, "{}", answer.message);
     assert_stays(&mut bench, "somebody asks all the time over the reset");
+    // Slow publishers do not rest between their messages.
+    asking.every(1_000);
+    assert_stays(&mut bench, "somebody asks once a second");
+    asking.every(50);
     asking.ask(None);
-    sleep(Duration::from_millis(600));
+    sleep(RESTS);
     bench.drive(&asking, AHEAD, 70.0);
+}
+
+#[test]
+fn an_emergency_stop_that_motorlink_does_not_take_is_said() {
+    let bench = Bench::start(&[]);
+    let node = bench.node();
+    bench.served.as_ref().unwrap().signal("STOP");
+    let answer = call(&node, "hardware/e_stop_trigger");
+    assert!(!answer.success, "{}", answer.message);
+    assert!(
+        answer.message.starts_with("NOT STOPPED") || answer.message.starts_with("NOT CONFIRMED"),
+        "{}",
+        answer.message
+    );
+}
+
+#[test]
+fn an_emergency_stop_needs_no_free_place_at_the_socket() {
+    let mut bench = Bench::start(&[]);
+    let node = bench.node();
+    let asking = Asking::new(&node);
+    bench.drive(&asking, AHEAD, 70.0);
+    // Eight clients at most; this program is one of them.
+    let clients = (0..8).map(|_| UnixStream::connect(bench.socket()).unwrap());
+    let _clients: Vec<_> = clients.collect();
+    sleep(Duration::from_millis(200));
+    let answer = call(&node, "hardware/e_stop_trigger");
+    assert!(answer.success, "{}", answer.message);
 }
 
 #[test]
@@ -92,24 +133,23 @@ fn what_a_person_stops_a_person_releases() {
     say(&bench, "stop");
     assert_stops(&mut bench, Duration::from_millis(700), "a person stops");
     asking.ask(None);
-    sleep(Duration::from_millis(700));
+    sleep(RESTS);
     asking.ask(Some(AHEAD));
     assert_stays(&mut bench, "nobody has released the motors");
     say(&bench, "release");
     assert_stays(&mut bench, "somebody asks all the time over the release");
     asking.ask(None);
-    sleep(Duration::from_millis(700));
+    sleep(RESTS);
     bench.drive(&asking, AHEAD, 70.0);
 }
 
 #[test]
-fn a_router_that_dies_stops_the_wheels() {
+fn a_publisher_that_is_gone_stops_the_wheels_and_a_new_router_brings_the_next() {
     let mut bench = Bench::start(&[]);
-    // Through the router: clients do not connect to each other.
     let node = bench.node();
     let asking = Asking::new(&node);
     bench.drive(&asking, AHEAD, 70.0);
-    // Peers go on without it: it is the publisher that goes.
+    // Peers go on without their router.
     bench.router = None;
     drop(asking);
     drop(node);
@@ -127,9 +167,12 @@ fn a_killed_or_frozen_program_stops_the_wheels() {
         let node = bench.node();
         let asking = Asking::new(&node);
         bench.drive(&asking, AHEAD, 70.0);
+        let frozen = Instant::now();
         bench.ros.as_ref().unwrap().signal(signal);
         assert_stops(&mut bench, Duration::from_millis(100 + 700), signal);
         if signal == "STOP" {
+            // Much longer than a command counts.
+            sleep(Duration::from_secs(2).saturating_sub(frozen.elapsed()));
             bench.ros.as_ref().unwrap().signal("CONT");
             assert_stays(&mut bench, "a program that goes on drives nothing");
         }
@@ -147,9 +190,9 @@ fn a_motorlink_that_starts_again_drives_nothing_by_itself() {
     assert_stops(&mut bench, Duration::from_secs(1), "motorlink ends");
     bench.served = None;
     bench.serve();
-    sleep(Duration::from_millis(1_500));
+    sleep(RESTS);
     assert_stays(&mut bench, "somebody asks all the time");
     asking.ask(None);
-    sleep(Duration::from_millis(600));
+    sleep(RESTS);
     bench.drive(&asking, AHEAD, 70.0);
 }

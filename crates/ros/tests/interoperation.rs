@@ -127,9 +127,9 @@ fn hiroz_reads_diagnostics_and_finds_the_node() {
     assert_eq!(
         names,
         [
-            "motorlink: drive",
-            "motorlink: motor 1",
-            "motorlink: motor 2"
+            "/robot1/motorlink: drive",
+            "/robot1/motorlink: motor 1",
+            "/robot1/motorlink: motor 2"
         ]
     );
     assert_eq!(status[0].message, "drives");
@@ -138,7 +138,7 @@ fn hiroz_reads_diagnostics_and_finds_the_node() {
         degrees.temperature > 15.0 && degrees.temperature < 60.0,
         "{degrees:?}"
     );
-    assert_eq!(degrees.header.frame_id, "left_wheel");
+    assert_eq!(degrees.header.frame_id, "robot1/left_wheel");
 
     let graph = node.graph();
     let nodes = format!("{:?}", graph.get_node_names());

@@ -48,9 +48,14 @@ pub struct Topic {
 
 /// A topic or service that the node listens to.
 pub struct Listening {
-    _subscriber: Option<Subscriber<()>>,
-    _queryable: Option<Queryable<()>>,
+    _listens: Listener,
     _token: LivelinessToken,
+}
+
+/// Ends when it is dropped.
+enum Listener {
+    Topic(#[expect(dead_code, reason = "it is only dropped")] Subscriber<()>),
+    Service(#[expect(dead_code, reason = "it is only dropped")] Queryable<()>),
 }
 
 impl Node {
@@ -112,7 +117,12 @@ impl Node {
     ) -> Result<Listening> {
         let endpoint = self.endpoint::<T>(Kind::Subscription, topic, 1);
         let on_sample = move |sample: Sample| {
-            let attachment = sample.attachment().and_then(Attachment::read);
+            let attachment = sample.attachment().map(Attachment::read);
+            if attachment == Some(None) {
+                // Of another rmw_zenoh: when it was sent is not known.
+                return;
+            }
+            let attachment = attachment.flatten();
             take(&sample.payload().to_bytes(), attachment);
         };
         let subscriber = self
@@ -122,8 +132,7 @@ impl Node {
             .wait()
             .map_err(error)?;
         Ok(Listening {
-            _subscriber: Some(subscriber),
-            _queryable: None,
+            _listens: Listener::Topic(subscriber),
             _token: self.appear(&endpoint)?,
         })
     }
@@ -147,8 +156,7 @@ impl Node {
             .wait()
             .map_err(error)?;
         Ok(Listening {
-            _subscriber: None,
-            _queryable: Some(queryable),
+            _listens: Listener::Service(queryable),
             _token: self.appear(&endpoint)?,
         })
     }

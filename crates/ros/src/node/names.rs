@@ -8,7 +8,10 @@
 //!
 //! In tokens `%` stands for each `/` of a name.
 
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::{
+    fmt,
+    hash::{DefaultHasher, Hash as _, Hasher as _},
+};
 
 use anyhow::{Result, bail};
 
@@ -42,6 +45,12 @@ pub struct NodeName {
     /// Empty, or `/robot1`.
     namespace: String,
     name: String,
+}
+
+impl fmt::Display for NodeName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.namespace, self.name)
+    }
 }
 
 /// A publisher, subscription or service.
