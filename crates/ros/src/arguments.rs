@@ -2,10 +2,10 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use clap::Parser;
 use motorlink_protocol::MotorId;
-use zenoh::Config;
+use zenoh::{Config, config::EndPoint};
 
 use crate::{
     node::names::NodeName,
@@ -167,12 +167,16 @@ impl Arguments {
     /// For a file that is no configuration, and an endpoint that is none.
     pub fn zenoh(&self) -> Result<Config> {
         if let Some(file) = &self.config {
-            return Config::from_file(file)
-                .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()));
+            return Config::from_file(file).map_err(|error| anyhow!("{}: {error}", file.display()));
         }
         let mut config = Config::default();
-        let connect = self.connect.iter().map(|endpoint| format!("{endpoint:?}"));
-        let connect = connect.collect::<Vec<_>>().join(",");
+        let connect = self.connect.iter().map(|endpoint| {
+            let parsed: Result<EndPoint, _> = endpoint.parse();
+            parsed.map(|_| format!("{endpoint:?}")).map_err(|_| {
+                anyhow!("--connect {endpoint}: PROTOCOL/ADDRESS, as tcp/localhost:7447")
+            })
+        });
+        let connect = connect.collect::<Result<Vec<_>>>()?.join(",");
         for (key, value) in [
             ("mode", "\"peer\""),
             ("connect/endpoints", &format!("[{connect}]")),
@@ -181,7 +185,7 @@ impl Arguments {
         ] {
             config
                 .insert_json5(key, value)
-                .map_err(|error| anyhow::anyhow!("{key} {value}: {error}"))?;
+                .map_err(|error| anyhow!("{key} {value}: {error}"))?;
         }
         Ok(config)
     }
@@ -228,5 +232,17 @@ mod tests {
         ] {
             assert!(rover(wrong).is_err(), "{wrong:?}");
         }
+    }
+
+    #[test]
+    fn an_endpoint_that_is_none_is_named() {
+        let usual = "motorlink-ros --wheel-radius 0.05 --track 0.3 --left 1 --right 2 --connect";
+        let config = |endpoint: &str| {
+            let words = usual.split(' ').chain([endpoint]);
+            Arguments::try_parse_from(words).unwrap().zenoh()
+        };
+        assert!(config("tcp/rover.local:7447").is_ok());
+        let error = config("rover.local").unwrap_err().to_string();
+        assert!(error.starts_with("--connect rover.local: "), "{error}");
     }
 }

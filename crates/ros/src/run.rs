@@ -96,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "{} is in domain {}",
         arguments.node, arguments.domain
     ));
+    watch_router(&node);
     let now = Instant::now();
     let mut robot = Robot {
         socket: arguments.socket.clone(),
@@ -126,9 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     robot.run(&inputs);
     drop(listening);
-    if let Ok(node) = Arc::try_unwrap(node) {
-        node.close();
-    }
+    node.close();
     Ok(())
 }
 
@@ -156,6 +155,28 @@ fn listen(node: &Node, to: &Sender<Input>) -> Result<[Listening; 4]> {
             let _ = reset.send(Input::Reset(request));
         })?,
     ])
+}
+
+/// Says whether there is a router, now and when that changes.
+fn watch_router(node: &Arc<Node>) {
+    let node = Arc::downgrade(node);
+    thread::spawn(move || {
+        let mut had = None;
+        // Sessions take a moment to connect.
+        thread::sleep(EVERY_SECOND);
+        while let Some(node) = node.upgrade() {
+            let has = node.has_router();
+            if had.replace(has) != Some(has) {
+                say(if has {
+                    "connected to a Zenoh router"
+                } else {
+                    "no Zenoh router: other nodes do not find this one. Trying again"
+                });
+            }
+            drop(node);
+            thread::sleep(EVERY_SECOND);
+        }
+    });
 }
 
 /// Sends what comes, in a thread of its own: the network delays no setpoint.

@@ -161,12 +161,16 @@ impl Node {
         })
     }
 
+    /// Whether it is connected to a router. Without one, it finds no other node.
+    #[must_use]
+    pub fn has_router(&self) -> bool {
+        self.session.info().routers_zid().wait().next().is_some()
+    }
+
     /// Leaves the network.
-    pub fn close(self) {
-        let session = self.session.clone();
-        drop(self);
+    pub fn close(&self) {
         // The program ends in any case.
-        let _ = session.close().wait();
+        let _ = self.session.close().wait();
     }
 
     fn zid(&self) -> String {
