@@ -15,6 +15,8 @@ const DRIFT_MAX_NS: i64 = 100_000_000;
 pub const REST: Duration = Duration::from_secs(2);
 /// Less is no delay that matters.
 const LATE_NS: i64 = 100_000_000;
+/// Before, nobody knows how fast the messages of a sender are.
+const LEARNED_AFTER: Duration = Duration::from_millis(500);
 /// Messages that stay so late for so long come from a sender whose clock was set.
 const CLOCK_SET_AFTER: Duration = Duration::from_secs(1);
 /// Messages that were delayed come close together: their delay falls. That of a clock that was set changes no more than this.
@@ -32,8 +34,8 @@ pub struct CmdVel {
     moving: Option<Instant>,
     /// The newest last.
     senders: Vec<([u8; 16], Sender)>,
-    /// When a sender was last heard again after a silence in which it has sent more.
-    missed: Option<Instant>,
+    /// Since when the sender of the newest command asks, after a rest: see [`Sender::run`].
+    run: Option<Instant>,
 }
 
 /// What became of a message.
@@ -60,12 +62,12 @@ impl CmdVel {
             newest: None,
             moving: None,
             senders: Vec::new(),
-            missed: None,
+            run: None,
         }
     }
 
     /// Takes a message.
-    pub fn take(&mut self, now: Instant, twist: Twist, attachment: Option<Attachment>) -> Taken {
+    pub fn take(&mut self, now: Instant, twist: Twist, attachment: Attachment) -> Taken {
         let values = [twist.linear.x, twist.angular.z];
         // False for what is no number, too.
         if !values.iter().all(|value| value.abs() < SPEED_MAX) {
@@ -73,13 +75,11 @@ impl CmdVel {
             self.moving = Some(now);
             return Taken::NoSpeed;
         }
-        if values != [0.0, 0.0] {
+        let moves = values != [0.0, 0.0];
+        if moves {
             self.moving = Some(now);
         }
-        let delay = match attachment {
-            Some(attachment) => self.delay(now, attachment),
-            None => Ok(Duration::ZERO),
-        };
+        let delay = self.delay(now, attachment, moves);
         // A command that was delayed counts for what is left of its time.
         let from = delay.map(|delay| now.checked_sub(delay));
         match from {
@@ -93,7 +93,12 @@ impl CmdVel {
     }
 
     /// How much longer than the fastest of its sender the message was on its way.
-    fn delay(&mut self, now: Instant, attachment: Attachment) -> Result<Duration, Taken> {
+    fn delay(
+        &mut self,
+        now: Instant,
+        attachment: Attachment,
+        moves: bool,
+    ) -> Result<Duration, Taken> {
         let at_ns = nanoseconds(now.saturating_duration_since(self.start));
         let mut known = self.senders.iter();
         let place = known.position(|(name, _)| *name == attachment.sender);
@@ -103,7 +108,6 @@ impl CmdVel {
             }
             let sender = Sender {
                 since_ns: at_ns,
-                newest_ns: at_ns,
                 ..Sender::default()
             };
             self.senders.push((attachment.sender, sender));
@@ -112,30 +116,31 @@ impl CmdVel {
         let Some((_, sender)) = self.senders.get_mut(place) else {
             return Err(Taken::TooLate);
         };
-        let before = sender.number.unwrap_or(attachment.number.saturating_sub(1));
-        if before >= attachment.number {
-            return Err(Taken::TooLate);
-        }
-        sender.number = Some(attachment.number);
-        let silence_ns = at_ns - sender.newest_ns;
-        sender.newest_ns = at_ns;
-        let is_cut = before.saturating_add(1) < attachment.number;
-        if is_cut && silence_ns >= nanoseconds(self.timeout) {
-            self.missed = Some(now);
-        }
+        sender.follow(now, attachment, moves)?;
         let delay_ns = sender.delay_ns(at_ns, at_ns.saturating_sub(attachment.sent_ns))?;
         // Of messages that were all delayed, each one looks like the fastest.
-        if at_ns - sender.since_ns < nanoseconds(self.timeout) {
+        if at_ns - sender.since_ns < nanoseconds(LEARNED_AFTER) {
             return Err(Taken::TooLate);
         }
+        sender.judge_beginning(attachment);
+        self.run = sender.run;
         Ok(Duration::from_nanos(u64::try_from(delay_ns).unwrap_or(0)))
     }
 
-    /// Whether a silence of the last 2 s was none: its sender has sent more, and it has not come through.
+    /// The computer has slept: what was asked before is not asked now, and how late messages are is not known.
+    pub fn forget(&mut self, now: Instant) {
+        self.newest = None;
+        let at_ns = nanoseconds(now.saturating_duration_since(self.start));
+        for (_, sender) in &mut self.senders {
+            (sender.since_ns, sender.fastest_ns, sender.late) = (at_ns, None, None);
+        }
+    }
+
+    /// Whether the sender of the newest command has begun to ask since then, after a rest. Its own clock and the numbers of its
+    /// messages show that: a silence of the network shows nothing.
     #[must_use]
-    pub fn has_missed(&self, now: Instant) -> bool {
-        let missed = self.missed;
-        missed.is_some_and(|at| now.saturating_duration_since(at) < REST)
+    pub fn has_begun_since(&self, since: Instant) -> bool {
+        self.run.is_some_and(|began| began > since)
     }
 
     /// The command that counts; `None` if commands have ceased.
@@ -156,28 +161,88 @@ impl CmdVel {
 /// A publisher.
 #[derive(Debug, Default)]
 struct Sender {
-    /// When its first message came.
+    /// From when on it is learned how fast its messages are.
     since_ns: i64,
-    /// When its newest message came.
-    newest_ns: i64,
-    /// The number of that message.
-    number: Option<i64>,
+    /// Its difference between arrival and sending then.
+    learned_ns: i64,
+    /// Its first message. It may have sent others before.
+    first: Option<Attachment>,
+    /// The number of its newest message.
+    number: i64,
+    /// When it sent its newest message that moves the robot.
+    moving_sent_ns: Option<i64>,
+    /// Whether messages since that one are missing.
+    is_cut: bool,
+    /// When it began to ask, after a rest of 2 s; `None` if it is not known to have rested.
+    run: Option<Instant>,
     /// Its smallest difference between arrival and sending, by the two clocks, and when it was found.
     fastest_ns: Option<(i64, i64)>,
-    /// When its messages began to be late, and by how much.
+    /// When its messages began to be late, and the smallest delay since.
     late: Option<(i64, i64)>,
 }
 
 impl Sender {
+    /// Follows what it sends, late or not.
+    fn follow(&mut self, now: Instant, attachment: Attachment, moves: bool) -> Result<(), Taken> {
+        let Attachment {
+            number, sent_ns, ..
+        } = attachment;
+        if self.first.is_none() {
+            self.first = Some(attachment);
+        } else if number <= self.number {
+            return Err(Taken::TooLate);
+        } else {
+            self.is_cut |= number > self.number.saturating_add(1);
+        }
+        self.number = number;
+        if moves {
+            let before = self.moving_sent_ns.replace(sent_ns);
+            let is_begin =
+                before.is_none_or(|before| sent_ns.saturating_sub(before) >= nanoseconds(REST));
+            if is_begin {
+                self.run = (!self.is_cut).then_some(now);
+            }
+            self.is_cut = false;
+        }
+        Ok(())
+    }
+
+    /// A sender that is seen late may have asked all the time: it has sent messages for 2 s before its first one came.
+    fn judge_beginning(&mut self, attachment: Attachment) {
+        let Some(first) = self.first.filter(|first| first.number > 1) else {
+            return;
+        };
+        let seen = attachment.number.saturating_sub(first.number);
+        if seen == 0 {
+            return;
+        }
+        let period_ns = attachment.sent_ns.saturating_sub(first.sent_ns) / seen;
+        if period_ns.saturating_mul(first.number - 1) >= nanoseconds(REST) {
+            self.run = None;
+        }
+        // Once is enough.
+        self.first = Some(Attachment { number: 1, ..first });
+    }
+
     fn delay_ns(&mut self, at_ns: i64, difference_ns: i64) -> Result<i64, Taken> {
         let Some((found_ns, fastest_ns)) = self.fastest_ns else {
-            self.fastest_ns = Some((at_ns, difference_ns));
+            (self.fastest_ns, self.learned_ns) = (Some((at_ns, difference_ns)), difference_ns);
             return Ok(0);
         };
         let drift_ns = ((at_ns - found_ns) / DRIFT_PER).min(DRIFT_MAX_NS);
         let delay_ns = difference_ns.saturating_sub(fastest_ns.saturating_add(drift_ns));
-        let (since_ns, first_ns) = match self.late {
+        let (since_ns, smallest_ns) = match self.late {
             _ if delay_ns <= 0 => {
+                let is_learned = at_ns - self.since_ns >= nanoseconds(LEARNED_AFTER);
+                let known_ns = if is_learned {
+                    fastest_ns
+                } else {
+                    self.learned_ns
+                };
+                if known_ns.saturating_sub(difference_ns) > LATE_NS {
+                    // What came before was late: it is learned again.
+                    (self.since_ns, self.learned_ns) = (at_ns, difference_ns);
+                }
                 (self.fastest_ns, self.late) = (Some((at_ns, difference_ns)), None);
                 return Ok(0);
             }
@@ -185,14 +250,18 @@ impl Sender {
                 self.late = None;
                 return Ok(delay_ns);
             }
-            Some(late) if (delay_ns - late.1).abs() <= STEADY_NS => late,
+            // What falls is a queue that empties.
+            Some((since_ns, smallest_ns)) if delay_ns >= smallest_ns - STEADY_NS => {
+                (since_ns, smallest_ns.min(delay_ns))
+            }
             _ => (at_ns, delay_ns),
         };
         if at_ns - since_ns >= nanoseconds(CLOCK_SET_AFTER) {
-            (self.fastest_ns, self.late) = (Some((at_ns, difference_ns)), None);
+            let fastest_ns = difference_ns.saturating_sub(delay_ns - smallest_ns);
+            (self.fastest_ns, self.late) = (Some((at_ns, fastest_ns)), None);
             return Err(Taken::ClockSet);
         }
-        self.late = Some((since_ns, first_ns));
+        self.late = Some((since_ns, smallest_ns));
         Ok(delay_ns)
     }
 }

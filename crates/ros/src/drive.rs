@@ -27,8 +27,8 @@ pub struct Drive {
     number: u32,
     /// Since when nobody may ask, before the next drive.
     must_rest: Option<Instant>,
-    /// Nothing was driven since such an end.
-    is_after_end: bool,
+    /// When it was ended, if nothing was driven since.
+    ended: Option<Instant>,
     stepped: Instant,
     is_e_stopped: bool,
     why: Why,
@@ -89,7 +89,7 @@ impl Drive {
             phase: Phase::Idle,
             number: 0,
             must_rest: Some(now),
-            is_after_end: true,
+            ended: Some(now),
             stepped: now,
             is_e_stopped: false,
             why: Why::NotAsked,
@@ -142,7 +142,7 @@ impl Drive {
     pub const fn end(&mut self, now: Instant, why: Why) {
         self.why = why;
         self.must_rest = Some(now);
-        self.is_after_end = true;
+        self.ended = Some(now);
     }
 
     /// What motorlink is told now, by its newest state, if there is one. Call it every 10 ms.
@@ -175,12 +175,12 @@ impl Drive {
                 if !is_moved {
                     return None;
                 }
-                if self.is_after_end && cmd_vel.has_missed(now) {
+                if self.ended.is_some_and(|at| !cmd_vel.has_begun_since(at)) {
                     // It may have asked all the time, and nothing has come through.
                     self.must_rest = Some(now);
                     return None;
                 }
-                self.is_after_end = false;
+                self.ended = None;
                 self.number = self.number.wrapping_add(1);
                 self.phase = Phase::Starting { since: now };
                 Some(FromClient::Arm(self.setpoints(state, rover.at_rest())))

@@ -13,6 +13,7 @@ const TIMEOUT: Duration = Duration::from_millis(500);
 struct Robot {
     start: Instant,
     now: Instant,
+    number: i64,
     cmd_vel: CmdVel,
     drive: Drive,
     state: State,
@@ -24,15 +25,33 @@ struct Robot {
 impl Robot {
     fn new() -> Self {
         let now = Instant::now();
-        Self {
+        let mut robot = Self {
             start: now,
             now,
+            number: 0,
             cmd_vel: CmdVel::new(TIMEOUT, now),
             drive: Drive::new(now),
             state: State::default(),
             stops: 0,
             speeds: Vec::new(),
-        }
+        };
+        // How fast its messages are is known.
+        robot.ask(twist(0.0, 0.0));
+        robot.now += Duration::from_millis(600);
+        robot.ask(twist(0.0, 0.0));
+        robot.drive = Drive::new(robot.now);
+        robot
+    }
+
+    fn ask(&mut self, twist: Twist) {
+        self.number += 1;
+        let since = self.now.duration_since(self.start).as_nanos();
+        let attachment = Attachment {
+            number: self.number,
+            sent_ns: i64::try_from(since).unwrap(),
+            sender: [1; 16],
+        };
+        self.cmd_vel.take(self.now, twist, attachment);
     }
 
     /// Goes on for `ms`, and asks for `twist` all the time if there is one.
@@ -40,7 +59,7 @@ impl Robot {
         for _ in 0..ms / 10 {
             self.now += Duration::from_millis(10);
             if let Some(twist) = twist {
-                self.cmd_vel.take(self.now, twist, None);
+                self.ask(twist);
             }
             self.state.challenge += 1;
             if self.state.drive == DriveState::Stopping {
@@ -165,32 +184,17 @@ fn after_each_end_it_drives_only_when_nobody_has_asked_for_a_while() {
 fn after_an_end_a_sender_whose_messages_were_lost_must_rest_again() {
     let mut robot = Robot::new();
     robot.run(2_100, None);
-    let mut number = 0;
-    let mut ask = |robot: &mut Robot, ms: u64, lost: i64| {
-        number += lost;
-        for _ in 0..ms / 10 {
-            number += 1;
-            let since = robot.now.duration_since(robot.start).as_nanos();
-            let attachment = Attachment {
-                number,
-                sent_ns: i64::try_from(since).unwrap(),
-                sender: [1; 16],
-            };
-            let asked = twist(0.5, 0.0);
-            robot.cmd_vel.take(robot.now, asked, Some(attachment));
-            robot.run(10, None);
-        }
-    };
-    ask(&mut robot, 700, 0);
+    robot.run(100, Some(twist(0.5, 0.0)));
     assert!(robot.turns());
     robot.end(EndReason::Fault);
-    ask(&mut robot, 300, 0);
+    robot.run(300, Some(twist(0.5, 0.0)));
     // The network is gone for 3 s, and the sender goes on asking.
     robot.run(3_000, None);
-    ask(&mut robot, 1_000, 300);
+    robot.number += 300;
+    robot.run(1_000, Some(twist(0.5, 0.0)));
     assert!(!robot.turns());
     robot.run(2_100, None);
-    ask(&mut robot, 300, 0);
+    robot.run(300, Some(twist(0.5, 0.0)));
     assert!(robot.turns());
 }
 
@@ -212,7 +216,7 @@ fn an_emergency_stop_stops_at_once_and_holds() {
 fn a_refusal_is_said_and_is_not_asked_again() {
     let mut robot = Robot::new();
     robot.run(2_100, None);
-    robot.cmd_vel.take(robot.now, twist(0.5, 0.0), None);
+    robot.ask(twist(0.5, 0.0));
     let told = robot
         .drive
         .step(robot.now, Some(&robot.state), &robot.cmd_vel, &rover());

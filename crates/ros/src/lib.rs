@@ -27,9 +27,51 @@ pub mod rover;
 pub mod run;
 pub mod telemetry;
 
-use std::io::{self, Write as _};
+use std::{
+    io::{self, Write as _},
+    sync::{
+        OnceLock,
+        mpsc::{self, SyncSender},
+    },
+    thread,
+    time::Duration,
+};
 
-/// Tells the person at the terminal. Nobody may read it.
+/// Lines that wait for the terminal. One that does not read loses the next ones.
+const LINES_MAX: usize = 64;
+
+/// What the thread that writes is told.
+enum Line {
+    Text(String),
+    /// Everything before it is written.
+    Written(SyncSender<()>),
+}
+
+fn lines() -> &'static SyncSender<Line> {
+    static LINES: OnceLock<SyncSender<Line>> = OnceLock::new();
+    LINES.get_or_init(|| {
+        let (lines, waiting) = mpsc::sync_channel(LINES_MAX);
+        thread::spawn(move || {
+            for line in waiting {
+                match line {
+                    // Nobody may read it.
+                    Line::Text(text) => drop(writeln!(io::stderr(), "{text}")),
+                    Line::Written(done) => drop(done.send(())),
+                }
+            }
+        });
+        lines
+    })
+}
+
+/// Tells the person at the terminal. A terminal that is stopped delays nothing.
 fn say(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = lines().try_send(Line::Text(text.to_owned()));
+}
+
+/// Waits until everything is said, a moment at most.
+fn wait_until_said() {
+    let (done, written) = mpsc::sync_channel(1);
+    let _ = lines().try_send(Line::Written(done));
+    let _ = written.recv_timeout(Duration::from_millis(200));
 }

@@ -36,12 +36,12 @@ pub enum FromMotorlink {
 pub struct Connection(UnixStream);
 
 impl Connection {
-    /// Connects, and passes on what comes, from a thread of its own, until the connection ends or `to` returns false.
+    /// Connects.
     ///
     /// # Errors
     ///
     /// When nobody listens there, or another version.
-    pub fn open(path: &Path, to: impl Fn(FromMotorlink) -> bool + Send + 'static) -> Result<Self> {
+    pub fn open(path: &Path) -> Result<Self> {
         let mut stream = connect(path)?;
         stream.write_all(&client_hello())?;
         let mut hello = [0; HELLO];
@@ -51,14 +51,22 @@ impl Connection {
         }
         stream.set_read_timeout(Some(STATE_MAX))?;
         stream.set_write_timeout(Some(SEND_MAX))?;
-        let reading = stream.try_clone()?;
-        thread::Builder::new()
-            .name("motorlink".to_owned())
-            .spawn(move || {
-                let why = pass_on(reading, &to);
-                to(FromMotorlink::Lost(why));
-            })?;
         Ok(Self(stream))
+    }
+
+    /// Passes on what comes, from a thread of its own, until the connection ends or `to` returns false.
+    ///
+    /// # Errors
+    ///
+    /// When the system gives no thread.
+    pub fn listen(&self, to: impl Fn(FromMotorlink) -> bool + Send + 'static) -> io::Result<()> {
+        let reading = self.0.try_clone()?;
+        let read = move || {
+            let why = pass_on(reading, &to);
+            to(FromMotorlink::Lost(why));
+        };
+        let thread = thread::Builder::new().name("motorlink".to_owned());
+        thread.spawn(read).map(drop)
     }
 
     /// Sends a message.
@@ -101,7 +109,7 @@ fn pass_on(mut reading: UnixStream, to: &impl Fn(FromMotorlink) -> bool) -> Stri
     }
 }
 
-/// Stops all motors, whoever drives them.
+/// Stops all motors, also those that a page or another program drives.
 ///
 /// # Errors
 ///

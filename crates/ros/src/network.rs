@@ -36,9 +36,9 @@ pub enum Input {
     /// What came by this connection.
     Motorlink(u32, FromMotorlink),
     /// The answer to an attempt to connect.
-    Connected(u32, Result<Connection>),
+    Connected(Result<Connection>),
     /// When it came.
-    Twist(Instant, Twist, Option<Attachment>),
+    Twist(Instant, Twist, Attachment),
     /// An emergency stop.
     EStop(Request),
     /// A reset after it.

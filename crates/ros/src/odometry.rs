@@ -1,7 +1,7 @@
 //! Where the robot is, from the positions of its wheels. They roll and do not slip.
 //!
-//! motorlink counts the turns of each wheel. It cannot count while a motor does not reply for over a second, and begins anew when it
-//! starts: the way of such a wheel is left out, and the count of gaps says that the pose is not true any more.
+//! motorlink counts the turns of each wheel. It cannot count while a motor does not reply for over a second, and begins again at 0 when
+//! it starts: the way of such a wheel is left out, and the count of gaps says that the pose is not true any more.
 
 use std::time::Instant;
 
@@ -103,6 +103,11 @@ impl Odometry {
             .collect();
         let before = std::mem::replace(&mut self.counted, places);
         let seconds = seconds?;
+        if seconds > 1.0 {
+            // This program was frozen: how the wheels have turned meanwhile is not known by their speed.
+            self.gaps += 1;
+            return None;
+        }
         let side = |right: bool| {
             let (mut way, mut speed, mut count) = (0.0, 0.0, 0.0);
             let of_side = |(wheel, _): &(&Wheel, _)| wheel.is_right == right;

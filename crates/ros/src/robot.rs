@@ -12,7 +12,6 @@ use std::{
 
 use anyhow::Result;
 use motorlink_controller_messages::{DriveState, FromClient, State};
-use rustix::time::{ClockId, clock_gettime};
 
 use crate::{
     arguments::Arguments,
@@ -41,7 +40,6 @@ pub struct Robot {
     socket: PathBuf,
     to: Sender<Input>,
     outputs: SyncSender<Output>,
-    timeout: Duration,
     cmd_vel: CmdVel,
     /// For how long the computer had slept at the last step.
     slept: Duration,
@@ -58,6 +56,7 @@ pub struct Robot {
     connection: Option<Connection>,
     /// Counts them.
     connections: u32,
+    is_connecting: bool,
     tried: Option<Instant>,
     /// The newest state, and when it came.
     state: Option<(Instant, SystemTime, State)>,
@@ -92,7 +91,6 @@ impl Robot {
             socket: arguments.socket.clone(),
             to,
             outputs,
-            timeout: arguments.timeout(),
             cmd_vel: CmdVel::new(arguments.timeout(), now),
             slept: slept(),
             drive: Drive::new(now),
@@ -105,6 +103,7 @@ impl Robot {
             period: Duration::from_secs_f64(1.0 / arguments.rate),
             connection: None,
             connections: 0,
+            is_connecting: false,
             tried: None,
             state: None,
             publishes: now,
@@ -120,13 +119,15 @@ impl Robot {
     /// Runs until it is told to quit, and stops what it drives.
     pub fn run(&mut self, inputs: &Receiver<Input>) {
         let mut next = Instant::now();
-        let mut quits: Option<Instant> = None;
+        // Since when it ends, and whether it drove then.
+        let mut quits: Option<(Instant, bool)> = None;
         loop {
             let now = Instant::now();
-            if let Some(since) = quits {
-                let is_over = now.duration_since(since) > STOP_MAX;
-                if self.drive.is_idle() || is_over {
-                    if is_over || self.drive_state() == DriveState::NotConfirmed {
+            if let Some((since, drove)) = quits {
+                // Emergency stops are answered by then.
+                let is_over = now.duration_since(since) > STOP_MAX + 10 * STEP;
+                if self.drive.is_idle() && self.stops.is_empty() || is_over {
+                    if drove && self.drive_state() != DriveState::Stands {
                         say(NOT_CONFIRMED);
                     }
                     return;
@@ -139,8 +140,9 @@ impl Robot {
             }
             match inputs.recv_timeout(next.saturating_duration_since(now)) {
                 Ok(Input::Quit) => {
+                    let drove = !self.drive.is_idle();
                     self.drive.e_stop();
-                    quits.get_or_insert_with(Instant::now);
+                    quits.get_or_insert((Instant::now(), drove));
                 }
                 Ok(input) => self.take(input),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -158,7 +160,7 @@ impl Robot {
                 self.state = Some((now, SystemTime::now(), *state));
             }
             Input::Motorlink(_, FromMotorlink::Lost(why)) => self.lost(&why),
-            Input::Connected(number, result) => self.connected(number, result),
+            Input::Connected(result) => self.connected(result),
             Input::Twist(at, twist, attachment) => match self.cmd_vel.take(at, twist, attachment) {
                 Taken::InTime => {}
                 Taken::TooLate => self.late += 1,
@@ -177,9 +179,9 @@ impl Robot {
         self.connect(now);
         let slept = slept();
         if slept.saturating_sub(std::mem::replace(&mut self.slept, slept)) > 10 * STEP {
-            // What was asked before is not asked now.
-            self.cmd_vel = CmdVel::new(self.timeout, now);
+            self.cmd_vel.forget(now);
             self.drive.end(now, Why::Frozen);
+            self.odometry.cut_off();
         }
         let state = self.state.as_ref().map(|(_, _, state)| state);
         let message = self.drive.step(now, state, &self.cmd_vel, &self.rover);
@@ -203,31 +205,25 @@ impl Robot {
 
     fn connect(&mut self, now: Instant) {
         let is_due = self.tried.is_none_or(|at| now.duration_since(at) >= RETRY);
-        if self.connection.is_some() || !is_due {
+        if self.connection.is_some() || self.is_connecting || !is_due {
             return;
         }
-        self.tried = Some(now);
-        self.connections += 1;
-        let (number, socket, to) = (self.connections, self.socket.clone(), self.to.clone());
+        (self.tried, self.is_connecting) = (Some(now), true);
+        let (socket, to) = (self.socket.clone(), self.to.clone());
         // A server that hangs delays nothing here.
         thread::spawn(move || {
-            let of_connection = to.clone();
-            let pass_on = move |message| {
-                of_connection
-                    .send(Input::Motorlink(number, message))
-                    .is_ok()
-            };
-            let connection = Connection::open(&socket, pass_on);
             // The program may have ended.
-            let _ = to.send(Input::Connected(number, connection));
+            let _ = to.send(Input::Connected(Connection::open(&socket)));
         });
     }
 
-    fn connected(&mut self, number: u32, result: Result<Connection>) {
-        match result {
-            // Another attempt has begun meanwhile.
-            Ok(_) if number != self.connections => {}
-            Ok(connection) => {
+    fn connected(&mut self, result: Result<Connection>) {
+        self.is_connecting = false;
+        self.connections += 1;
+        let (number, to) = (self.connections, self.to.clone());
+        let pass_on = move |message| to.send(Input::Motorlink(number, message)).is_ok();
+        match result.and_then(|connection| Ok((connection.listen(pass_on)?, connection))) {
+            Ok(((), connection)) => {
                 say(&format!("connected to {}", self.socket.display()));
                 self.connection = Some(connection);
             }
@@ -267,7 +263,15 @@ impl Robot {
 }
 
 /// For how long the computer has slept since it started. A sleep stops the clock of [`Instant`].
+#[cfg(target_os = "linux")]
 fn slept() -> Duration {
+    use rustix::time::{ClockId, clock_gettime};
     let since_start = |clock| Duration::try_from(clock_gettime(clock)).unwrap_or_default();
     since_start(ClockId::Boottime).saturating_sub(since_start(ClockId::Monotonic))
+}
+
+/// Not known here. The lease has ended after a sleep, and the drive with it.
+#[cfg(not(target_os = "linux"))]
+fn slept() -> Duration {
+    Duration::ZERO
 }

@@ -13,7 +13,7 @@ use crate::{
     network::{Input, listen, publish, watch_router},
     node::Node,
     robot::Robot,
-    say,
+    say, wait_until_said,
 };
 
 /// Runs until a signal ends it, and stops what it drives.
@@ -44,5 +44,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     robot.run(&inputs);
     drop(listening);
     node.close();
+    wait_until_said();
     Ok(())
 }

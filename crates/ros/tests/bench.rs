@@ -205,13 +205,7 @@ impl Bench {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let mut lines = lines.map_while(Result::ok);
-        assert!(
-            lines.any(|line| line.starts_with("Open ")),
-            "it does not start"
-        );
-        thread::spawn(move || lines.for_each(|line| println!("motorlink: {line}")));
+        wait_for(&mut child, "motorlink", "Open ");
         self.served = Some(Program(child));
     }
 
@@ -236,13 +230,7 @@ impl Bench {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let mut lines = lines.map_while(Result::ok);
-        assert!(
-            lines.any(|line| line.starts_with("connected")),
-            "no connection"
-        );
-        thread::spawn(move || lines.for_each(|line| println!("motorlink-ros: {line}")));
+        wait_for(&mut child, "motorlink-ros", "connected to /");
         self.ros = Some(Program(child));
         sleep(RESTS);
     }
@@ -275,6 +263,15 @@ impl Bench {
             motors.rpm(1) > rpm && motors.rpm(2) < -rpm
         });
     }
+}
+
+/// Waits until a program says so on its stderr, and prints what it says after that.
+fn wait_for(child: &mut Child, name: &'static str, beginning: &str) {
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let mut lines = lines.map_while(Result::ok);
+    let found = lines.any(|line| line.starts_with(beginning));
+    assert!(found, "{name} does not say {beginning:?}");
+    thread::spawn(move || lines.for_each(|line| println!("{name}: {line}")));
 }
 
 /// Publishes what is asked at 20 Hz, as `Twist`.

@@ -160,7 +160,6 @@ fn hiroz_reads_diagnostics_and_finds_the_node() {
 
 /// Needs Python with rosbags, in `MOTORLINK_PYTHON`.
 #[test]
-#[ignore = "needs Python with rosbags: cargo xtask test --only ros"]
 fn rosbags_reads_and_writes_every_message() {
     let mut bench = Bench::start(&[]);
     let folder = bench.folder().join("messages");

@@ -93,22 +93,12 @@ fn drive(metres: f64) -> (f64, f64, f64) {
     (off_m, off.to_degrees().abs(), truth.way)
 }
 
-fn assert_true(metres: f64) {
-    let (off_m, off_deg, way) = drive(metres);
+#[test]
+fn the_odometry_is_true_after_100_m() {
+    let (off_m, off_deg, way) = drive(100.0);
     println!(
         "odometry after {way:.1} m with turns: {off_m:.4} m off ({:.3} %), {off_deg:.3} degrees",
         100.0 * off_m / way
     );
     assert!(off_m < 0.01 * way && off_deg < 2.0);
-}
-
-#[test]
-fn the_odometry_follows_the_true_way() {
-    assert_true(5.0);
-}
-
-#[test]
-#[ignore = "takes three minutes: cargo xtask test --only ros"]
-fn the_odometry_is_true_after_100_m() {
-    assert_true(100.0);
 }

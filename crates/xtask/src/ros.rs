@@ -20,13 +20,7 @@ pub fn test(workspace: &Workspace) -> Result<()> {
     let lints = ["--all-targets", "--", "--deny", "warnings"];
     process::run(of_ros(workspace, "clippy").args(lints))?;
     // The wheels turn in real time: one test at a time.
-    let all = [
-        "--",
-        "--include-ignored",
-        "--test-threads",
-        "1",
-        "--nocapture",
-    ];
+    let all = ["--", "--test-threads", "1", "--nocapture"];
     process::run(
         of_ros(workspace, "test")
             .args(all)

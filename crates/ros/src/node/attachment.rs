@@ -1,4 +1,4 @@
-//! What goes with each message of `rmw_zenoh`: its number, when it was sent, and by which publisher or client.
+//! What goes with each message of `rmw_zenoh`: its number, its time, and its publisher or client.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -3,7 +3,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `messages` | the messages as CDR, with the names and hashes of their types |
-//! | `names` | key expressions of topics, and the tokens by which other nodes find this one |
+//! | `names` | key expressions of topics, and the tokens that show this node to others |
 //! | `attachment` | number, time and sender of each message |
 //!
 //! Sources: the design page of `rmw_zenoh` and its `liveliness_utils.cpp` and `attachment_helpers.cpp` (`ros2/rmw_zenoh`), and `hiroz`,
@@ -104,7 +104,7 @@ impl Node {
         })
     }
 
-    /// Calls `take` with the bytes of each message of this type, and with its attachment if it has one. `take` is called in a thread
+    /// Calls `take` with the bytes and the attachment of each message of this type. One without an attachment is ignored. `take` is called in a thread
     /// of Zenoh.
     ///
     /// # Errors
@@ -113,17 +113,14 @@ impl Node {
     pub fn subscribe<T: RosType>(
         &self,
         topic: &str,
-        take: impl Fn(&[u8], Option<Attachment>) + Send + Sync + 'static,
+        take: impl Fn(&[u8], Attachment) + Send + Sync + 'static,
     ) -> Result<Listening> {
         let endpoint = self.endpoint::<T>(Kind::Subscription, topic, 1);
         let on_sample = move |sample: Sample| {
-            let attachment = sample.attachment().map(Attachment::read);
-            if attachment == Some(None) {
-                // Of another rmw_zenoh: when it was sent is not known.
-                return;
+            // Without it, or of another `rmw_zenoh`: when the message was sent is not known.
+            if let Some(attachment) = sample.attachment().and_then(Attachment::read) {
+                take(&sample.payload().to_bytes(), attachment);
             }
-            let attachment = attachment.flatten();
-            take(&sample.payload().to_bytes(), attachment);
         };
         let subscriber = self
             .session

@@ -1,4 +1,4 @@
-//! Key expressions of topics and services, and the tokens by which other nodes see this one, as `rmw_zenoh` forms them.
+//! Key expressions of topics and services, and the tokens that show this node to others, as `rmw_zenoh` forms them.
 //!
 //! | what | key expression |
 //! |---|---|

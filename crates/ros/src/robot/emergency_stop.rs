@@ -1,6 +1,9 @@
 //! Emergency stop and reset.
 
-use std::{thread, time::Instant};
+use std::{
+    thread,
+    time::{Duration, Instant},
+};
 
 use motorlink_controller_messages::{Activity, Motor};
 
@@ -73,7 +76,7 @@ impl Robot {
         }
     }
 
-    /// Stops all motors, whoever drives them.
+    /// Stops all motors, also those that a page or another program drives.
     fn stop_all(&mut self) {
         self.stop_sent = None;
         let (socket, to) = (self.socket.clone(), self.to.clone());
@@ -97,15 +100,14 @@ impl Robot {
         if !state.is_open || !state.is_halted {
             return false;
         }
-        let elapsed_us = at.saturating_duration_since(since).as_micros();
-        let replied = |motor: &Motor| {
-            motor
-                .reply_age
-                .is_some_and(|age| u128::from(age) < elapsed_us)
-        };
+        // The state was sent a moment before it came.
+        let elapsed = at.saturating_duration_since(since).saturating_sub(2 * STEP);
+        let is_since = |age: u32| Duration::from_micros(age.into()) < elapsed;
+        let replied = |motor: &Motor| motor.reply_age.is_some_and(is_since);
         let is_at_rest = |motor: &Motor| {
             let velocity = motor.velocity;
-            velocity.is_some_and(|(velocity, _)| velocity.abs() < AT_REST_RAD_PER_S)
+            velocity
+                .is_some_and(|(velocity, age)| velocity.abs() < AT_REST_RAD_PER_S && is_since(age))
         };
         self.rover.wheels.iter().all(|wheel| {
             let mut motors = state.motors.iter();
