@@ -223,7 +223,10 @@ impl Picture {
         let panes = layout.panes(traces.len());
         traces.into_iter().zip(panes).map(move |(trace, pane)| {
             let unit = trace.unit(self.model);
-            let ticks = self.scales.of(trace).ticks(trace, unit, layout.steps(pane));
+            let ticks = self
+                .scales
+                .of(trace)
+                .ticks(trace, unit, layout.half_rows(pane));
             (trace, pane, ticks)
         })
     }

@@ -97,7 +97,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                     inner_html=overlay::PLOT
                 ></div>
                 <p class="graph-none quiet" hidden=dynamic(move || !empty.get())>
-                    {texts::no_graph()}
+                    {texts::no_data()}
                 </p>
                 <p hidden id="graph-words"></p>
                 <p hidden id="graph-keys">

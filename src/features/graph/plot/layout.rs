@@ -140,9 +140,9 @@ impl Layout {
         })
     }
 
-    /// Maximal number of steps between the labels of a pane.
-    pub(crate) fn steps(self, pane: Rectangle) -> i32 {
-        pixels(f64::from(pane.height) / (ROW * self.ratio)).max(1)
+    /// How many halves of a row of labels a pane is high.
+    pub(crate) fn half_rows(self, pane: Rectangle) -> i32 {
+        pixels(2.0 * f64::from(pane.height) / (ROW * self.ratio))
     }
 
     /// Maximal number of marks on the time axis.
@@ -260,7 +260,8 @@ mod tests {
             assert_eq!(f64::from(gap).to_bits(), (GAP * ratio).to_bits());
             let bottom = panes[1].top + panes[1].height;
             assert_eq!(bottom, layout.plot.top + layout.plot.height);
-            assert_eq!((layout.steps(layout.plot), layout.steps(panes[1])), (8, 3));
+            let half_rows = [layout.plot, panes[1]].map(|pane| layout.half_rows(pane));
+            assert_eq!(half_rows, [16, 7]);
             let [upper, lower] = [8.0 + 95.0 / 2.0, 113.0 + 95.0].map(|y| layout.pane_at(2, y));
             assert_eq!((upper, lower), (Some((0, 0.5)), Some((1, 1.0))));
             assert!(

@@ -88,11 +88,20 @@ impl Scale {
         (value(self.lower), value(self.upper))
     }
 
-    /// The round values on this scale in this number of steps at most, from the top: their place between the upper end,
-    /// 0, and the lower one, 1, and their label. The first one has the unit: `+100 rpm`, `0`, `−100`.
-    pub(crate) fn ticks(self, trace: Trace, unit: &str, steps_max: i32) -> Vec<Tick> {
-        let step = step(self.span(), steps_max.max(1));
-        let (first, last) = (self.upper.div_euclid(step), -(-self.lower).div_euclid(step));
+    /// The round values on this scale, from the top: their place between the upper end, 0, and the lower one, 1, and
+    /// their label. The first one has the unit: `+100 rpm`, `0`, `−100`. They are a row apart, or half a row if there
+    /// were only one.
+    pub(crate) fn ticks(self, trace: Trace, unit: &str, half_rows: i32) -> Vec<Tick> {
+        let steps_of = |steps_max: i32| {
+            let step = step(self.span(), steps_max.max(1));
+            let (first, last) = (self.upper.div_euclid(step), -(-self.lower).div_euclid(step));
+            (step, first, last)
+        };
+        let (mut step, mut first, mut last) = steps_of(half_rows / 2);
+        // A single value is no scale.
+        if first == last {
+            (step, first, last) = steps_of(half_rows);
+        }
         let tick = |number: i32| {
             let value = number * step;
             let sign = match value.signum() {
@@ -348,9 +357,9 @@ mod tests {
 
     #[test]
     fn labels_are_round_and_the_top_one_has_the_unit() {
-        let labels = |trace, range, steps_max| {
+        let labels = |trace, range, rows: i32| {
             let scale = Scales::default().fit(trace, Some(range));
-            let ticks = scale.ticks(trace, "U", steps_max);
+            let ticks = scale.ticks(trace, "U", 2 * rows);
             let labels: Vec<String> = ticks.iter().map(|tick| tick.label.clone()).collect();
             labels.join(" | ")
         };
@@ -361,6 +370,9 @@ mod tests {
             labels(Trace::Speed, (-100.0, 100.0), 4),
             "+100 U | 0 | \u{2212}100"
         );
+        // After a reversal, in a low pane.
+        let ends = "+100 U | 0 | \u{2212}100";
+        assert_eq!(labels(Trace::Speed, (-105.0, 105.0), 2), ends);
         assert_eq!(
             labels(Trace::Current, (0.0, 0.0), 4),
             "+0.10 U | +0.05 | 0.00 | \u{2212}0.05 | \u{2212}0.10"

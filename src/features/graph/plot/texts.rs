@@ -11,7 +11,7 @@ use crate::features::graph::plot::{
 };
 
 /// The text before the first reply.
-fn nothing() -> String {
+pub(crate) fn no_data() -> String {
     tr!("No data yet.").to_owned()
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> Str
 /// The values of the visible traces at a moment as a sentence.
 pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> String {
     let Some(values) = values else {
-        return nothing();
+        return no_data();
     };
     let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
     let words: Vec<String> = on
@@ -69,7 +69,7 @@ pub(crate) fn compared_sentence(
     motors: &[(String, String)],
 ) -> String {
     if motors.is_empty() {
-        return nothing();
+        return no_data();
     }
     let words = motors.iter().map(|(name, value)| format!("{name} {value}"));
     let words: Vec<String> = words.chain(comparison.more()).collect();
@@ -131,10 +131,6 @@ pub(crate) fn date_and_time([year, month, day, hour, minute, second]: LocalTime)
     format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}")
 }
 
-/// The text in the graph before any motor has answered.
-pub(crate) fn no_graph() -> &'static str {
-    tr!("Connect a motor to see its data here.")
-}
 #[cfg(test)]
 mod tests {
     use motorlink_messages::protocol::{Current, Rpm};
@@ -194,7 +190,7 @@ mod tests {
         let traces = Traces::default();
         let said = sentence("Now", Some(&values), traces);
         assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, target –.");
-        assert_eq!(sentence("Now", None, traces), nothing());
+        assert_eq!(sentence("Now", None, traces), no_data());
     }
 
     #[test]
@@ -218,7 +214,7 @@ mod tests {
             said(9, &["0x01"]),
             "Now: speed: 0x01 +5 rpm, and 1 more, not shown."
         );
-        assert_eq!(said(0, &[]), nothing());
+        assert_eq!(said(0, &[]), no_data());
     }
 
     #[test]

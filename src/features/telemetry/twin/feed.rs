@@ -22,7 +22,8 @@ pub struct TwinFeed {
     estimator: Estimator,
     /// Last reported speed, and when.
     speed: Option<(f64, Rpm)>,
-    angle_known: bool,
+    /// Last reported angle in degrees.
+    angle_deg: Option<f64>,
     goal: Option<Setpoint>,
     activity: Option<Activity>,
     turns: Option<Turns>,
@@ -76,7 +77,7 @@ impl TwinFeed {
             return;
         };
         let angle = angle_deg.map(|degrees| ReportedAngle { degrees, quality });
-        self.angle_known |= angle.is_some();
+        self.angle_deg = angle_deg.or(self.angle_deg);
         self.estimator
             .report(shown_ms, angle, f64::from(speed.rpm()));
         self.wake();
@@ -110,7 +111,7 @@ impl TwinFeed {
     pub fn clear(&mut self) {
         self.estimator.clear();
         self.speed = None;
-        self.angle_known = false;
+        self.angle_deg = None;
         self.goal = None;
         self.activity = None;
         self.turns = None;
@@ -160,11 +161,16 @@ impl TwinFeed {
             .speed
             .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
             .map(|(_, speed)| speed);
-        let angle_deg = self.angle_known.then_some(pose.heading.angle_deg);
-        let figures = self
-            .speed
-            .map(|(_, speed)| Figures::new(speed, angle_deg, self.turns));
-        self.drawn = angle_deg.map(|angle_deg| Drawn { angle_deg });
+        let angle_deg = pose.heading.angle_deg;
+        let figures = self.speed.map(|(_, speed)| {
+            // At rest as in the position card. The drawn wheel may differ by one step of a query reply.
+            let moves = speed.rpm() != 0;
+            let figure_deg = self
+                .angle_deg
+                .map(|reported| if moves { angle_deg } else { reported });
+            Figures::new(speed, figure_deg, self.turns)
+        });
+        self.drawn = self.angle_deg.map(|_| Drawn { angle_deg });
         let driven = match self.activity {
             Some(Activity::Driven { .. } | Activity::DrivenRaw | Activity::Stopping { .. }) => true,
             Some(Activity::Idle | Activity::Switching { .. }) | None => false,
@@ -231,6 +237,17 @@ mod tests {
         let view = feed.view(1.0);
         assert_eq!(view.motion, Motion::SpinningCw);
         assert_eq!(view.figures.unwrap().angle_text(), "–°");
+    }
+
+    /// A query reply at rest is coarse: the drawn wheel stays within its step, and the figure is the one of the card.
+    #[test]
+    fn at_rest_the_figure_is_the_reported_angle() {
+        let mut feed = TwinFeed::default();
+        feed.sample(0.0, Some(55.1), AngleQuality::Fine, Some(0));
+        feed.sample(20.0, Some(56.5), AngleQuality::Coarse, Some(0));
+        let view = feed.view(25.0);
+        assert_eq!(view.figures.unwrap().angle_text(), "56.5°");
+        assert!((view.pose.heading.angle_deg - 55.1).abs() < 0.1);
     }
 
     #[test]
