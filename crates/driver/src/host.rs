@@ -43,23 +43,19 @@ impl Host {
         (runs, settings): (&mut Runs, BusSettings),
         mut tell: impl FnMut(Entry),
     ) -> Turned {
-        // Before the bus, which then sends the setpoints of this moment.
+        #[cfg(test)]
+        assert!(!runs.program.fails, "asked for by a test");
         runs.tick(now, &mut self.bus, settings);
         loop {
-            while let Some(bytes) = self.line.take_received(now) {
-                self.bus.receive(now, &bytes);
-            }
-            let output = self.bus.poll(now);
-            if let Output::Event(event) = &output {
-                runs.event(now, event, &mut self.bus, settings);
-            }
+            let received = || self.line.take_received(now);
+            let output = runs.poll(now, &mut self.bus, settings, received);
             // Before the frame: a process that is killed behind it leaves a file that names the motor.
             if !file.remember(self.bus.model(), || self.bus.left_driven()) {
                 tell(Entry::NotRemembered);
             }
             match output {
                 Output::Transmit(frame) => match self.line.write(now, self.bus.model(), &frame) {
-                    Written::Taken => {}
+                    Written::Taken => runs.frame_taken(now),
                     Written::Refused => self.bus.transmit_failed(),
                     Written::Gone => {
                         self.bus.transmit_failed();

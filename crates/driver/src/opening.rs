@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::LeftMotors;
 use motorlink_protocol::{Instant, family::Model};
+use motorlink_runs::Input;
 use motorlink_simulator::World;
 
 use crate::{
@@ -120,7 +121,7 @@ impl<C: Computer> Owner<C> {
         let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
             host.bus.left_driven().map(|motor| motor.id).collect()
         });
-        self.runs.unplugged(now, self.settings);
+        self.runs.closed(now, Input::Unplugged, self.settings);
         self.close_line();
         self.look_at = now;
         if self.stage != Stage::OnTrial {

@@ -7,6 +7,7 @@ use std::{
 };
 
 use motorlink_bus::{BusSettings, COMMAND_AGE_MAX, Command, Event, StopReport};
+use motorlink_messages::encode;
 use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
@@ -188,7 +189,7 @@ impl<C: Computer> Owner<C> {
     /// Tells what the run has said.
     fn tell_of_run(&mut self) {
         let now = self.computer.now();
-        for message in self.runs.take_messages() {
+        for message in self.runs.program.program.take_messages() {
             self.tell(now, Entry::Run(Box::new(message)));
         }
     }
@@ -232,7 +233,9 @@ impl<C: Computer> Owner<C> {
                 let is_old = age > COMMAND_AGE_MAX;
                 let host = self.host.as_mut().filter(|_| self.stage == Stage::Settled);
                 let bus = host.map(|host| &mut host.bus);
-                self.runs.message(now, &message, is_old, bus, self.settings);
+                // A message of ours always encodes.
+                let bytes = encode(&message).unwrap_or_default();
+                self.runs.message(now, (bytes, is_old), bus, self.settings);
             }
             (Input::Status(answer), _) => {
                 // Who asked waits for it.
@@ -242,7 +245,7 @@ impl<C: Computer> Owner<C> {
             #[cfg(test)]
             (Input::Fail, _) => self.fails_next = true,
             #[cfg(test)]
-            (Input::FailRuns, _) => self.runs.fails = true,
+            (Input::FailRuns, _) => self.runs.program.fails = true,
         }
     }
 

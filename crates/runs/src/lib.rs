@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `exchange` | what crosses between the two sides |
 //! | `host` | the side of the port |
+//! | `runs` | both sides beside a bus, as each owner of a port has them |
 //! | `program` | the side that decides |
 //! | `cause` | events of the bus as causes that end a run |
 //! | `report` | what the program tells the page |
@@ -20,8 +21,10 @@ mod host;
 mod program;
 mod recorded_run;
 mod report;
+mod runs;
 
 pub use exchange::{Act, Input, LineState, Output};
 pub use host::{Failed, Host, Line};
 pub use program::Program;
 pub use recorded_run::RecordedRun;
+pub use runs::{Decides, Runs};

@@ -5,7 +5,7 @@ use std::{cell::RefCell, rc::Rc};
 use motorlink_bus::{Bus, BusSettings, Event, Output};
 use motorlink_messages::{LeftBehind, ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
-use motorlink_runs::Input;
+use motorlink_runs::{Input, Runs};
 use web_sys::MessagePort;
 
 use crate::{
@@ -15,8 +15,8 @@ use crate::{
     left::Left,
     line::Line,
     page_clock::PageClock,
-    port_state::{AfterClosing, PortState, Stage},
-    runs::host::Runs,
+    port_state::{AfterClosing, OpenPort, PortState, Stage},
+    runs::host::Loading,
     scope::{Clock, post, posted},
     traffic::TrafficQueue,
 };
@@ -39,7 +39,7 @@ pub(crate) struct PortOwner {
     pub(crate) model: ModelChoice,
     /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
-    pub(crate) runs: Runs,
+    pub(crate) runs: Runs<Loading>,
     /// What was left driven on adapters that are not open.
     pub(crate) left: Left,
     /// Whether the page was told that what is driven cannot be remembered.
@@ -164,17 +164,12 @@ impl PortOwner {
         let mut left = None;
         if let PortState::Open(open) = &mut self.port {
             let settings = self.settings;
-            // Before the bus, which then sends the setpoints of this moment.
             self.runs.tick(now, &mut open.bus, settings);
             let asks_again = open.asks_again.turn(now, &mut open.bus);
             let at = loop {
-                while let Some(bytes) = open.line.take_received(now) {
-                    open.bus.receive(now, &bytes);
-                }
-                let output = open.bus.poll(now);
-                if let Output::Event(event) = &output {
-                    self.runs.event(now, event, &mut open.bus, settings);
-                }
+                let OpenPort { bus, line, .. } = &mut **open;
+                let received = || line.take_received(now);
+                let output = self.runs.poll(now, bus, settings, received);
                 // Before the frame: a process that is killed behind it leaves a file that names the motor.
                 if !open.remember(&self.left) && !self.told_not_remembered {
                     self.told_not_remembered = true;
@@ -182,7 +177,7 @@ impl PortOwner {
                 }
                 match output {
                     Output::Transmit(frame) if open.line.write(now, frame) => {
-                        self.runs.taken = self.clock.now();
+                        self.runs.frame_taken(self.clock.now());
                     }
                     Output::Transmit(_) => open.bus.transmit_failed(),
                     Output::Event(Event::PingPage) => {

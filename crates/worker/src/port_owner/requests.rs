@@ -5,10 +5,12 @@ use std::time::Duration;
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Notice, VirtualWire};
 use motorlink_protocol::MotorId;
-use motorlink_runs::{Host, Input};
 
 use super::PortOwner;
-use crate::port_state::{PortState, Stage};
+use crate::{
+    port_state::{PortState, Stage},
+    runs::host::Message,
+};
 
 impl PortOwner {
     pub(crate) fn select(&mut self, id: MotorId) {
@@ -38,32 +40,23 @@ impl PortOwner {
     }
 
     /// Passes a message of the page to the loaded program of the runs.
-    pub(crate) fn run_message(&mut self, (bytes, is_old): (Vec<u8>, bool)) {
+    pub(crate) fn run_message(&mut self, message: Message) {
         let now = self.now();
         let bus = match &mut self.port {
             PortState::Open(open) if matches!(open.stage, Stage::Settled) => Some(&mut open.bus),
             _ => None,
         };
-        let line = Host::line_state(now, bus.as_deref());
-        let input = Input::Message {
-            bytes,
-            is_old,
-            line,
-        };
-        self.runs.pass(now, input, bus, self.settings);
+        self.runs.message(now, message, bus, self.settings);
     }
 
-    pub(crate) fn command(&mut self, mut command: Command, given_ms: f64) {
+    pub(crate) fn command(&mut self, command: Command, given_ms: f64) {
         let now = self.now();
         if command.is_too_old(self.age(given_ms)) {
             self.outbox.notice(Notice::TooLate(command.into()));
             return;
         }
         match command {
-            Command::Configure(of_person) => {
-                self.settings = of_person;
-                command = Command::Configure(self.runs.settings(of_person));
-            }
+            Command::Configure(of_person) => self.settings = of_person,
             Command::StopAll(_) => self.halted = true,
             Command::Release => self.halted = false,
             _ => {}
@@ -79,13 +72,9 @@ impl PortOwner {
                     return;
                 }
                 let (bus, settings) = (&mut open.bus, self.settings);
-                let ends_run = self.runs.before_command(now, command, bus, settings);
-                if let Err(refusal) = bus.command(now, command) {
+                if let Err(refusal) = self.runs.command(now, command, bus, settings) {
                     let command = command.into();
                     self.outbox.notice(Notice::Refused { command, refusal });
-                }
-                if let Some(input) = ends_run {
-                    self.runs.pass(now, input, Some(bus), settings);
                 }
             }
             _ => match command {

@@ -1,25 +1,15 @@
-//! The runs in the port worker: passes inputs to their program, and does what it returns.
+//! The program of the runs: passes inputs to it, once it is loaded.
 
 use js_sys::{Function, Uint8Array};
-use motorlink_bus::{Bus, BusSettings, Command, Event};
 use motorlink_messages::{ToPage, decode, encode, runs::DIED};
 use motorlink_protocol::Instant;
-use motorlink_runs::{Host, Input, Output};
+use motorlink_runs::{Decides, Input, Output};
 use wasm_bindgen::{JsCast, JsValue};
 
 use crate::scope::{post, report};
 
 /// A message of the page, and whether the person's act is too old to start something.
 pub(crate) type Message = (Vec<u8>, bool);
-
-/// The runs of experiments: the program, once it is loaded, and what it drives.
-#[derive(Default)]
-pub(crate) struct Runs {
-    pub(crate) program: Loading,
-    host: Host,
-    /// When the port had taken the last frame.
-    pub(crate) taken: Instant,
-}
 
 /// The program.
 #[derive(Default)]
@@ -35,83 +25,21 @@ pub(crate) enum Loading {
     Failed,
 }
 
-impl Runs {
-    /// When the next tick is due.
-    pub(crate) const fn wake(&self) -> Option<Instant> {
-        self.host.wake()
+impl Decides for Loading {
+    fn is_there(&self) -> bool {
+        matches!(self, Self::Done(_))
     }
 
-    /// The settings of the bus: see [`Host::settings`].
-    pub(crate) fn settings(&self, of_person: BusSettings) -> BusSettings {
-        self.host.settings(of_person)
-    }
-
-    /// Ticks if that is due.
-    pub(crate) fn tick(&mut self, now: Instant, bus: &mut Bus, of_person: BusSettings) {
-        if self.host.tick_due(now).is_some() {
-            self.pass(now, Input::Tick, Some(bus), of_person);
+    fn decide(&mut self, now: Instant, input: &Input) -> Option<Output> {
+        match self {
+            Self::Done(program) => call(program, now, input),
+            Self::No | Self::Begun(_) | Self::Failed => None,
         }
     }
 
-    /// Passes on an event of the bus that concerns a run.
-    pub(crate) fn event(
-        &mut self,
-        now: Instant,
-        event: &Event,
-        bus: &mut Bus,
-        of_person: BusSettings,
-    ) {
-        if let Some(mut input) = self.host.input_of(event, bus.model()) {
-            if let Input::Sent { at, .. } = &mut input {
-                *at = self.taken;
-            }
-            self.pass(now, input, Some(bus), of_person);
-        }
-    }
-
-    /// The port is gone: no run goes on.
-    pub(crate) fn closed(&mut self, now: Instant, input: Input, of_person: BusSettings) {
-        if self.wake().is_some() {
-            self.pass(now, input, None, of_person);
-        }
-    }
-
-    /// Stops the motors of the run before a person drives by hand. Returns the input for
-    /// [`commanded`](Self::commanded), which follows when the bus has taken the command.
-    pub(crate) fn before_command(
-        &mut self,
-        now: Instant,
-        command: Command,
-        bus: &mut Bus,
-        of_person: BusSettings,
-    ) -> Option<Input> {
-        let input = self.host.ended_by(command)?;
-        if let Input::Driven(_) = input {
-            self.host.stop(now, Some(bus), of_person);
-        }
-        Some(input)
-    }
-
-    /// Passes an input to the program, if it is loaded.
-    pub(crate) fn pass(
-        &mut self,
-        now: Instant,
-        input: Input,
-        bus: Option<&mut Bus>,
-        of_person: BusSettings,
-    ) {
-        let Loading::Done(program) = &self.program else {
-            return;
-        };
-        let call = |now, input: &Input| call(program, now, input);
-        if self.host.pass(now, input, bus, of_person, call).is_err() {
-            self.died();
-        }
-    }
-
-    /// The program has failed: tells the page.
-    pub(crate) fn died(&mut self) {
-        self.program = Loading::Failed;
+    /// Tells the page.
+    fn has_failed(&mut self) {
+        *self = Self::Failed;
         post(&ToPage::Run(DIED.to_vec()));
     }
 }

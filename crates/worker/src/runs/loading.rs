@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use js_sys::{Function, Promise, Reflect};
+use motorlink_runs::Decides as _;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
@@ -19,7 +20,7 @@ pub(crate) fn run_message(shared: &Shared, message: Message) {
     match &mut owner.runs.program {
         Loading::Done(_) => owner.run_message(message),
         Loading::Begun(waiting) => waiting.push(message),
-        Loading::Failed => owner.runs.died(),
+        Loading::Failed => owner.runs.program.has_failed(),
         program @ Loading::No => {
             *program = Loading::Begun(vec![message]);
             let shared = Rc::clone(shared);
@@ -45,7 +46,7 @@ fn loading_ended(shared: &Shared, loaded: Result<Function, JsValue>) {
         }
         Err(error) => {
             report("the program of the runs could not be loaded", &error);
-            owner.runs.died();
+            owner.runs.program.has_failed();
             // The network may be back when the person tries again.
             owner.runs.program = Loading::No;
         }
