@@ -44,6 +44,9 @@ const LOST: &str = "(() => {
         target.scrollIntoView({ block: 'center', inline: 'center' });
         const { left, top, right, bottom } = target.getBoundingClientRect();
         const [x, y] = [(left + right) / 2, (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2];
+        // The rows of the log stay in view while it scrolls, and are drawn again with the next frame: the last one is cut.
+        const rows = control.closest('.packet-scroller')?.getBoundingClientRect();
+        if (rows && (y < rows.top || y > rows.bottom)) continue;
         const over = document.elementFromPoint(x, y);
         if (left < -0.5 || right > innerWidth + 0.5) lost.push(`beside the window: ${name(control)}`);
         else if (!over || !(target.contains(over) || over.contains(target)))
