@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::{path::PathBuf, time::Duration};
+use std::{ffi::OsString, path::PathBuf, time::Duration};
 
 #[cfg(unix)]
 use crate::virtual_motors::VirtualMotors;
@@ -134,6 +134,17 @@ pub enum Action {
     Wizard(Wizard),
     /// Serve the page on the network: it watches and drives the motors of this computer
     Serve(Serve),
+    /// Show the robots in a Zenoh network, by the program motorlink-fleet: see docs/fleet.md
+    #[command(disable_help_flag = true)]
+    Fleet {
+        /// What motorlink-fleet takes; --help shows it
+        #[arg(
+            trailing_var_arg = true,
+            allow_hyphen_values = true,
+            value_name = "ARGUMENT"
+        )]
+        arguments: Vec<OsString>,
+    },
     /// Send ten bytes as they are, or nine with their CRC added, and show the answer
     Raw {
         /// Bytes in hex, such as "01 74 00 00 00 00 00 00 00"

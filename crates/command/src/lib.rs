@@ -11,6 +11,7 @@ mod doctor;
 mod drive;
 mod experiment;
 mod failure;
+mod fleet;
 mod group_switch;
 mod info;
 mod log;
@@ -76,6 +77,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let arguments = match arguments.action {
         Action::Session { action } => return session::run(action),
+        Action::Fleet { arguments } => return exit(fleet::run(&arguments)),
         Action::Completions { shell } => return exit(manual::completions(shell)),
         Action::Man { folder } => return exit(manual::pages(&folder)),
         _ => arguments,
@@ -148,7 +150,10 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
         Action::Serve(how) => serve::run(&global, how, ender),
         Action::Record { file, secs } => record::run(&global, &file, secs, ender),
         // They need no line.
-        Action::Session { .. } | Action::Completions { .. } | Action::Man { .. } => Ok(()),
+        Action::Session { .. }
+        | Action::Fleet { .. }
+        | Action::Completions { .. }
+        | Action::Man { .. } => Ok(()),
         #[cfg(unix)]
         Action::Virtual(_) => Ok(()),
     }

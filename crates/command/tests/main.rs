@@ -12,6 +12,7 @@ mod doctor;
 mod drop_in;
 mod example;
 mod experiments;
+mod fleet;
 mod generated_programs;
 mod models;
 mod program;

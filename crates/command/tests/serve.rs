@@ -21,7 +21,18 @@ pub fn page() -> tempfile::TempDir {
     folder
 }
 
-fn serve(page: &Path, flags: &[&str]) -> Command {
+/// The answer to a request with these further headers.
+pub fn get(address: &str, path: &str, headers: &str) -> String {
+    let mut stream = TcpStream::connect(address).unwrap();
+    let request =
+        format!("GET {path} HTTP/1.1\r\nHost: {address}\r\n{headers}Connection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+pub fn serve(page: &Path, flags: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_motorlink"));
     command
         .args(["--virtual", "serve", "--page"])
@@ -145,15 +156,7 @@ fn a_log_is_a_session_file_that_the_page_can_save() {
     let mut lines = lines.map_while(Result::ok);
     let link = lines.find(|line| line.starts_with("Open ")).unwrap();
     let address = link.split('/').nth(2).unwrap();
-    let get = |path: &str| {
-        let mut stream = TcpStream::connect(address).unwrap();
-        let request =
-            format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        String::from_utf8_lossy(&answer).into_owned()
-    };
+    let get = |path: &str| get(address, path, "");
     assert!(get("/").contains("data-remote=\"sessions \""));
     let list = get("/sessions");
     let (_, rest) = list.split_once("href=\"").unwrap();

@@ -23,7 +23,7 @@ use percent_encoding::percent_decode_str;
 
 pub use token::Token;
 
-use crate::sessions::SESSIONS;
+use crate::{fleet::FLEET, sessions::SESSIONS};
 
 /// Wrong tokens of one address in a minute. A person who copies it by hand needs fewer.
 const ATTEMPTS_MAX: u32 = 10;
@@ -103,7 +103,11 @@ impl Access {
         let path = request.uri().path();
         // The files of the page are public: the browser asks for some of them without its cookies.
         let is_page = matches!(path, "/" | "/index.html" | SOCKET | FOXGLOVE);
-        if !is_page && !path.starts_with(SESSIONS) {
+        if !is_page
+            && ![SESSIONS, FLEET]
+                .iter()
+                .any(|below| path.starts_with(below))
+        {
             return None;
         }
         let has_cookie = self.has_cookie(headers, token);

@@ -7,7 +7,8 @@
 //!
 //! A controller on the same computer drives by a Unix socket: `ControlSocket`.
 //!
-//! `/foxglove` tells other programs what happens on the line; nothing leads from it to the driver.
+//! `/foxglove` tells other programs what happens on the line; nothing leads from it to the driver. Nor from `/fleet`, which
+//! shows other robots.
 //!
 //! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
@@ -18,7 +19,9 @@
 
 mod access;
 mod control_socket;
+mod fleet;
 mod foxglove;
+mod headers;
 mod hub;
 mod messages;
 mod page;
@@ -31,6 +34,7 @@ mod viewers;
 pub use access::{Access, Token};
 #[cfg(unix)]
 pub use control_socket::{ControlSocket, NoSocket, RunningSocket};
+pub use fleet::Fleet;
 pub use hub::Hub;
 pub use page::Site;
 pub use server::Server;

@@ -19,7 +19,10 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use crate::sessions::SESSIONS;
+use crate::{
+    fleet::{FLEET, Fleet},
+    sessions::SESSIONS,
+};
 
 /// The page that was there when this program was built.
 #[cfg(not(debug_assertions))]
@@ -55,6 +58,8 @@ pub struct Site {
     version: Arc<str>,
     /// The folder of the sessions that the server writes.
     sessions: Option<Arc<Path>>,
+    /// The robots that the server shows.
+    fleet: Option<Fleet>,
 }
 
 impl Site {
@@ -93,6 +98,7 @@ impl Site {
             version,
             files,
             sessions: None,
+            fleet: None,
         })
     }
 
@@ -101,6 +107,18 @@ impl Site {
     pub fn with_sessions(mut self, folder: &Path) -> Self {
         self.sessions = Some(folder.into());
         self
+    }
+
+    /// The same, with a page of these robots.
+    #[must_use]
+    pub fn with_fleet(mut self, fleet: Fleet) -> Self {
+        self.fleet = Some(fleet);
+        self
+    }
+
+    /// The robots, and the name of a file, if the request is for it or, without a name, for their page.
+    pub(crate) fn fleet<'a>(&self, path: &'a str) -> Option<(&Fleet, &'a str)> {
+        Some((self.fleet.as_ref()?, path.strip_prefix(FLEET)?))
     }
 
     /// The version of the page.

@@ -12,7 +12,7 @@ use axum::{
     Router,
     extract::{FromRequestParts, Request, State, WebSocketUpgrade},
     http::StatusCode,
-    response::{IntoResponse, Response},
+    response::{IntoResponse, Redirect, Response},
 };
 use hyper::{body::Incoming, server::conn::http1, service::service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -28,7 +28,7 @@ use tower_service::Service as _;
 
 use crate::{
     access::{Access, SOCKET, is_for_foxglove},
-    foxglove,
+    fleet, foxglove,
     page::Site,
     sessions, socket,
     tls::Tls,
@@ -57,11 +57,13 @@ pub struct Server {
 struct Shared {
     access: Access,
     site: Site,
-    viewers: Viewers,
+    /// None without a line: then there is only the page of the fleet.
+    viewers: Option<Viewers>,
 }
 
 impl Server {
-    /// Answers from now on what comes to `listener`, encrypted if there is a certificate.
+    /// Answers from now on what comes to `listener`, encrypted if there is a certificate. Without viewers, only the page of
+    /// the fleet is there.
     ///
     /// # Errors
     /// The system gives no threads, or the listener cannot be used.
@@ -69,7 +71,7 @@ impl Server {
         listener: std::net::TcpListener,
         access: Access,
         site: Site,
-        viewers: Viewers,
+        viewers: Option<Viewers>,
         tls: Option<Tls>,
     ) -> io::Result<Self> {
         let address = listener.local_addr()?;
@@ -174,12 +176,18 @@ async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Requ
         return refused;
     }
     let (mut parts, _) = request.into_parts();
+    if let Some((robots, name)) = shared.site.fleet(parts.uri.path()) {
+        return fleet::answer(robots, name);
+    }
+    let Some(viewers) = shared.viewers else {
+        return Redirect::temporary(fleet::FLEET).into_response();
+    };
     if is_for_foxglove(parts.uri.path(), &parts.headers) {
         if !shared.access.may_watch(&parts) {
             let text = "A page of another site needs the token in the address: ?token=TOKEN.\n";
             return (StatusCode::FORBIDDEN, text).into_response();
         }
-        return foxglove::answer(&mut parts, shared.viewers.foxglove()).await;
+        return foxglove::answer(&mut parts, viewers.foxglove()).await;
     }
     if let Some((folder, name)) = shared.site.session(parts.uri.path()) {
         let name = name.to_owned();
@@ -202,7 +210,47 @@ async fn answer(State((shared, address)): State<(Shared, IpAddr)>, request: Requ
         .and_then(|query| query.strip_prefix("page="));
     let is_same_version = version.is_some_and(|version| shared.site.is_version(version));
     match WebSocketUpgrade::from_request_parts(&mut parts, &()).await {
-        Ok(upgrade) => socket::answer(upgrade, (shared.viewers, address), is_same_version),
+        Ok(upgrade) => socket::answer(upgrade, (viewers, address), is_same_version),
         Err(refused) => refused.into_response(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{
+        fs,
+        io::{Read as _, Write as _},
+        net::{TcpListener, TcpStream},
+    };
+
+    use super::*;
+    use crate::fleet::Fleet;
+
+    #[test]
+    fn without_a_line_every_path_leads_to_the_fleet() {
+        let folder = tempfile::tempdir().unwrap();
+        let index = "<meta name=\"motorlink-worker\" content=\"a\"><meta name=\"motorlink-remote\" content=\"b\">";
+        fs::write(folder.path().join("index.html"), index).unwrap();
+        let site = Site::open(Some(folder.path().into())).unwrap();
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let access = Access::new(address, Vec::new(), None);
+        let site = site.with_fleet(Fleet::default());
+        let _server = Server::start(listener, access, site, None, None).unwrap();
+        for (path, answer) in [
+            ("/", "HTTP/1.1 307"),
+            (SOCKET, "HTTP/1.1 307"),
+            ("/fleet", "HTTP/1.1 200"),
+            ("/fleet/state", "HTTP/1.1 503"),
+            ("/fleet/none", "HTTP/1.1 404"),
+        ] {
+            let mut stream = TcpStream::connect(address).unwrap();
+            let request =
+                format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+            stream.write_all(request.as_bytes()).unwrap();
+            let mut answered = String::new();
+            stream.read_to_string(&mut answered).unwrap();
+            assert!(answered.starts_with(answer), "{path}: {answered}");
+        }
     }
 }

@@ -9,17 +9,13 @@ use std::{
 
 use axum::{
     body::{Body, Bytes},
-    http::{
-        HeaderValue, StatusCode,
-        header::{
-            CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_SECURITY_POLICY, CONTENT_TYPE,
-            X_CONTENT_TYPE_OPTIONS,
-        },
-    },
+    http::{HeaderValue, StatusCode, header::CONTENT_DISPOSITION},
     response::{IntoResponse, Response},
 };
 use futures_util::stream;
 use tokio::io::AsyncReadExt;
+
+use crate::headers::set_headers;
 
 /// The path of the list. Below it are the files.
 pub(crate) const SESSIONS: &str = "/sessions";
@@ -55,7 +51,7 @@ fn list(folder: &Path) -> io::Result<Response> {
     }
     let mut response = page.into_response();
     let policy = "default-src 'none'; frame-ancestors 'none'";
-    set(&mut response, "text/html; charset=utf-8", policy);
+    set_headers(&mut response, "text/html; charset=utf-8", policy);
     Ok(response)
 }
 
@@ -98,7 +94,7 @@ fn file(folder: &Path, name: &str) -> io::Result<Response> {
         Ok::<_, io::Error>(piece)
     });
     let mut response = Body::from_stream(pieces).into_response();
-    set(
+    set_headers(
         &mut response,
         "application/octet-stream",
         "default-src 'none'",
@@ -106,18 +102,6 @@ fn file(folder: &Path, name: &str) -> io::Result<Response> {
     let save = HeaderValue::from_static("attachment");
     response.headers_mut().insert(CONTENT_DISPOSITION, save);
     Ok(response)
-}
-
-fn set(response: &mut Response, content_type: &'static str, policy: &'static str) {
-    let headers = response.headers_mut();
-    for (name, value) in [
-        (CONTENT_TYPE, content_type),
-        (CONTENT_SECURITY_POLICY, policy),
-        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (CACHE_CONTROL, "no-store"),
-    ] {
-        headers.insert(name, HeaderValue::from_static(value));
-    }
 }
 
 #[cfg(test)]

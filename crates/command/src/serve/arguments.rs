@@ -36,6 +36,16 @@ pub struct Serve {
     /// may use it: see docs/socket.md
     #[arg(long, value_name = "PATH")]
     pub socket: Option<PathBuf>,
+    /// Show the robots in a Zenoh network at /fleet, by the program motorlink-fleet: see docs/fleet.md. With =ENDPOINT, by
+    /// this router, such as tcp/site.local:7447. It needs no adapter
+    #[arg(
+        long,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "",
+        value_name = "ENDPOINT"
+    )]
+    pub fleet: Option<String>,
     /// Folder of the page, in place of the one that this program was built with
     #[arg(long, value_name = "FOLDER")]
     pub page: Option<PathBuf>,

@@ -2,14 +2,15 @@
 
 pub mod arguments;
 mod certificate;
+mod fleet;
 mod service;
 mod socket;
 mod token;
 mod web;
 
-use std::{io, path::Path, time::Duration};
+use std::{io, path::Path, thread, time::Duration};
 
-use motorlink_driver::Ender;
+use motorlink_driver::{Ender, found_ports};
 use motorlink_messages::Adapter;
 use motorlink_remote_server::{Hub, Viewers};
 
@@ -25,6 +26,8 @@ use crate::{
 
 /// Entries between two turns of the hub: those of 20 ms on a fast line, and some more.
 const ENTRIES_MAX: usize = 64;
+/// How soon the page of the fleet ends after Ctrl-C.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Serves until Ctrl-C or a signal.
 ///
@@ -33,7 +36,11 @@ const ENTRIES_MAX: usize = 64;
 /// be opened.
 pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
     let log = how.log.clone();
+    let shows_only_fleet = shows_only_fleet(global, &how);
     let web = Web::prepare(how);
+    if shows_only_fleet {
+        return serve_fleet(web?, ender);
+    }
     let opened = Connection::open_with(global, ender, |options| options.tells_traffic = true);
     let (web, mut connection) = match (web, opened) {
         (Ok(web), opened) => (web, opened?),
@@ -68,7 +75,7 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
     let viewers = Viewers::new(connection.driver.commander()).map_err(no_threads)?;
     let mut hub = Hub::new(viewers.clone(), Adapter::Serial(None));
     // It answers until the end of this function.
-    let started = web.start(viewers.clone()).map_err(no_threads)?;
+    let started = web.start(Some(viewers.clone())).map_err(no_threads)?;
     started.links.iter().for_each(say);
     let mut service = Service::ready();
     loop {
@@ -88,6 +95,29 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
             hub.take(at, entry);
         }
     }
+}
+
+/// Whether nothing is asked for that needs a line, and there is none.
+fn shows_only_fleet(global: &Global, how: &Serve) -> bool {
+    how.fleet.is_some()
+        && how.log.is_none()
+        && how.socket.is_none()
+        && global.virtual_motors.is_none()
+        && global.port.is_none()
+        && found_ports().is_ok_and(|ports| ports.iter().all(|port| port.usb.is_none()))
+}
+
+/// Serves the page of the fleet alone.
+fn serve_fleet(web: Web, ender: &Ender) -> Result<(), Failure> {
+    let started = web.start(None).map_err(no_threads)?;
+    say("No USB adapter: only the fleet is shown.");
+    started.links.iter().for_each(say);
+    let mut service = Service::ready();
+    while !ender.is_asked() {
+        service.notify_alive();
+        thread::sleep(LOOK_EVERY);
+    }
+    Ok(())
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]

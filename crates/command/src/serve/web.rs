@@ -14,6 +14,7 @@ use crate::{
     serve::{
         arguments::Serve,
         certificate::{certificate, local_names, names},
+        fleet::Watched,
         socket::{Running, Socket},
         token,
     },
@@ -26,6 +27,7 @@ pub struct Web {
     access: Access,
     tls: Option<Tls>,
     socket: Option<Socket>,
+    fleet: Option<Watched>,
     links: Vec<String>,
 }
 
@@ -34,6 +36,7 @@ pub struct Started {
     /// What a person opens.
     pub links: Vec<String>,
     _socket: Option<Running>,
+    _fleet: Option<Watched>,
     _server: Server,
 }
 
@@ -46,6 +49,11 @@ impl Web {
         let site = Site::open(how.page).map_err(|error| Failure::Usage(error.to_string()))?;
         let site = match &how.log {
             Some(folder) => site.with_sessions(folder),
+            None => site,
+        };
+        let fleet = how.fleet.map(Watched::start).transpose()?;
+        let site = match &fleet {
+            Some(fleet) => site.with_fleet(fleet.newest()),
             None => site,
         };
         let listen = how.listen.0;
@@ -73,10 +81,13 @@ impl Web {
         };
         let scheme = if tls.is_some() { "https" } else { "http" };
         let origin = format!("{scheme}://{}", SocketAddr::new(shown, listen.port()));
-        let links = match &token {
+        let mut links = match &token {
             None => vec![format!("Open {origin}/ on this computer. Ctrl-C ends.")],
             Some(token) => links(&origin, token, how.token_file.as_deref(), tls.is_some()),
         };
+        if fleet.is_some() {
+            links.push(format!("The robots are at {origin}/fleet."));
+        }
         let socket = how.socket.as_deref().map(Socket::prepare).transpose()?;
         let mut known = how.names;
         // A name that others give this computer is safe where a token is needed.
@@ -94,18 +105,21 @@ impl Web {
             access,
             tls,
             socket,
+            fleet,
             links,
         })
     }
 
-    /// Starts the server and the socket.
+    /// Starts the server and the socket. Without viewers there is no line, and only the fleet is shown.
     ///
     /// # Errors
     /// The system gives no threads.
-    pub fn start(self, viewers: Viewers) -> io::Result<Started> {
-        let socket = self.socket.map(|socket| socket.start(viewers.clone()));
+    pub fn start(self, viewers: Option<Viewers>) -> io::Result<Started> {
+        let socket = self.socket.zip(viewers.clone());
+        let socket = socket.map(|(socket, viewers)| socket.start(viewers));
         Ok(Started {
             _socket: socket.transpose()?,
+            _fleet: self.fleet,
             _server: Server::start(self.listener, self.access, self.site, viewers, self.tls)?,
             links: self.links,
         })

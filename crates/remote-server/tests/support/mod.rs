@@ -89,7 +89,7 @@ impl Bench {
             viewers: viewers.clone(),
             is_over,
             thread: Some(thread),
-            _server: Server::start(listener, access, site, viewers, tls).unwrap(),
+            _server: Server::start(listener, access, site, Some(viewers), tls).unwrap(),
             _folder: folder,
         }
     }
