@@ -118,7 +118,7 @@ fn hang_and_die() {
     );
     let said = ask(&served.socket, "state\n");
     assert!(
-        said.starts_with("control: nobody, all motors stopped\n"),
+        said.starts_with("control: nobody, all motors stopped, DDSM115\n"),
         "{said}"
     );
     served.end();

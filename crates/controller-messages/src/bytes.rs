@@ -1,6 +1,6 @@
 //! The bytes of the messages. All numbers are little-endian; `docs/socket.md` has the tables.
 
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 
 use crate::messages::{
     Activity, DriveState, EndReason, FROM_CLIENT, FROM_SERVER, FromClient, FromServer, HELLO,
@@ -129,7 +129,7 @@ pub fn encode_state(state: &State) -> Vec<u8> {
         state.holder.0 as u8,
         u8::try_from(count).unwrap_or_default(),
         result.map_or(0, |why| why as u8),
-        0,
+        number_of(state.model),
     ]);
     for motor in state.motors.iter().take(MOTORS_MAX) {
         push_motor(&mut bytes, motor);
@@ -139,6 +139,23 @@ pub fn encode_state(state: &State) -> Vec<u8> {
         push_motor(&mut bytes, &unused);
     }
     bytes
+}
+
+/// The number of a model; 0 while it is not known.
+const fn number_of(model: Option<Model>) -> u8 {
+    match model {
+        None => 0,
+        Some(Model::Ddsm115) => 1,
+        Some(Model::Ddsm315) => 2,
+        Some(Model::Ddsm210) => 3,
+        Some(Model::Ddsm400) => 4,
+    }
+}
+
+/// The model of this number. That of a later release is not known here.
+fn model_of(number: u8) -> Option<Model> {
+    let mut models = Model::ALL.into_iter();
+    models.find(|model| number_of(Some(*model)) == number)
 }
 
 fn push_motor(bytes: &mut Vec<u8>, motor: &Motor) {
@@ -223,7 +240,7 @@ pub fn decode_from_server(bytes: &[u8; FROM_SERVER]) -> Option<FromServer> {
         u64::from_le_bytes(reader.take()),
     );
     let holder_number = u32::from_le_bytes(reader.take());
-    let [holder, count, refused, _] = reader.take();
+    let [holder, count, refused, model] = reader.take();
     let mut state = State {
         is_halted: second & 2 != 0,
         is_open: second & 4 != 0,
@@ -233,6 +250,7 @@ pub fn decode_from_server(bytes: &[u8; FROM_SERVER]) -> Option<FromServer> {
         challenge,
         sent_us,
         holder: (Holder::of_number(holder)?, holder_number),
+        model: model_of(model),
         motors: Vec::new(),
     };
     for _ in 0..usize::from(count).min(MOTORS_MAX) {

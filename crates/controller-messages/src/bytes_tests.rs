@@ -84,6 +84,7 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
         challenge: 0x0102_0304_0506_0708,
         sent_us: 1_000_000,
         holder: (Holder::You, 3),
+        model: Some(Model::Ddsm210),
         motors: vec![Motor {
             id: 5,
             activity: Activity::Driven,
@@ -102,7 +103,7 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
     assert_eq!(bytes.len(), FROM_SERVER);
     let head = [
         1, 5, 2, 0, 7, 0, 0, 0, 8, 7, 6, 5, 4, 3, 2, 1, 0x40, 0x42, 0x0F, 0, 0, 0, 0, 0, 3, 0, 0,
-        0, 3, 1, 0, 0,
+        0, 3, 1, 0, 3,
     ];
     assert_eq!(bytes[..32], head);
     let motor = [
@@ -121,6 +122,7 @@ fn a_state_has_416_bytes_and_what_is_unknown_is_no_number() {
     let refused = State {
         arm: (8, Some(NotArmed::PageHasControl)),
         holder: (Holder::Page, 2),
+        model: None,
         ..state
     };
     let bytes = encode_state(&refused);

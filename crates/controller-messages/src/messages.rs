@@ -1,6 +1,6 @@
 //! The binary messages, decoded.
 
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 
 /// The version of the messages. Another one is refused.
 pub const VERSION: u16 = 1;
@@ -243,6 +243,8 @@ pub struct State {
     pub sent_us: u64,
     /// Who has control, and the number of that page or client.
     pub holder: (Holder, u32),
+    /// The model of the motors, once their replies have shown it.
+    pub model: Option<Model>,
     /// The motors of the newest ARM first.
     pub motors: Vec<Motor>,
 }

@@ -454,7 +454,7 @@ fn the_text_form_shows_motors_and_who_has_control() {
         let server = Server::start();
         let said = ask(&server.path, "state");
         assert!(
-            said.starts_with("control: nobody\nmotor 1 idle: "),
+            said.starts_with("control: nobody, DDSM115\nmotor 1 idle: "),
             "{said}"
         );
         assert!(said.contains(" degC, faults 0x00, reply "), "{said}");
@@ -464,7 +464,7 @@ fn the_text_form_shows_motors_and_who_has_control() {
         sleep(Duration::from_millis(200));
         let said = ask(&server.path, "state\n");
         assert!(
-            said.starts_with("control: nobody, all motors stopped\n"),
+            said.starts_with("control: nobody, all motors stopped, DDSM115\n"),
             "{said}"
         );
         ask(&server.path, "release\n");
@@ -484,7 +484,7 @@ fn the_text_form_shows_motors_and_who_has_control() {
             }
             assert!(began.elapsed() < support::SOON, "{said}");
         }
-        assert!(said.contains("(socket)\n"), "{said}");
+        assert!(said.contains("(socket), DDSM115\n"), "{said}");
         assert_eq!(controller.state.drive(), DRIVEN);
     });
 }

@@ -222,6 +222,7 @@ fn state(viewer: ViewerId, own: &Own, line: &Line) -> messages::State {
         challenge: own.challenge,
         sent_us: monotonic_us(),
         holder,
+        model: line.model,
         motors: motors
             .take(MOTORS_MAX)
             .map(|motor| known(motor, now))

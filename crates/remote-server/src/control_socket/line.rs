@@ -9,7 +9,7 @@ use std::{
 use motorlink_bus::{Event, MotorStatus, Sample, StopReason, TurnCounter, WithdrawReason};
 use motorlink_controller_messages::EndReason;
 use motorlink_driver::{Driver, Entry};
-use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, MotorId, Rpm};
+use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, MotorId, Rpm, family::Model};
 
 use crate::viewers::Viewers;
 
@@ -39,6 +39,8 @@ pub(super) fn fresh<T>(value: Measured<T>, now: Option<Instant>) -> Measured<T> 
 pub(crate) struct Line {
     pub(crate) is_open: bool,
     pub(crate) is_halted: bool,
+    /// The model of the motors, once their replies have shown it.
+    pub(crate) model: Option<Model>,
     pub(crate) motors: BTreeMap<MotorId, Motor>,
     /// A time of the driver, and when it was read by our clock.
     clock: Option<(Instant, Moment)>,
@@ -179,6 +181,8 @@ impl Feed {
         self.line.clock = Some((status.now, now));
         self.line.is_open = status.is_open;
         self.line.is_halted = status.is_halted;
+        let is_known = status.line.is_some_and(|line| line.model_known);
+        self.line.model = is_known.then(|| driver.model());
         if status.is_open {
             // A motor that is not watched any more is not known.
             self.line.motors.retain(|id, _| status.motor(*id).is_some());

@@ -142,6 +142,10 @@ async fn state(viewers: &Viewers) -> String {
     if !line.is_open {
         text.push_str(", no port");
     }
+    if let Some(model) = line.model {
+        // Writing into a text cannot fail.
+        let _ = write!(text, ", {model}");
+    }
     text.push('\n');
     for motor in line.motors.values() {
         push(&mut text, motor, &line);

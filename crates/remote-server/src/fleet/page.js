@@ -27,13 +27,14 @@ const state_of = ({ heard, age_ms, state }) => {
   if (!heard) return age(age_ms);
   const { connected, port_open } = state.link;
   if (!connected) return word("no_connection");
-  if (!port_open) return word("no_port");
+  if (port_open === false) return word("no_port");
   const { is, why, must_rest } = state.drive;
   const first = why ? `${word(is)}: ${word(why)}` : word(is);
   return must_rest && is === "stopped" ? `${first}. ${word("must_rest")}` : first;
 };
 
-const control_of = ({ by, number }) => (by === "nobody" || by === "ros" ? word(by) : word(by, { number: number ?? "" }));
+/** Without a connection to motorlink it is not known. */
+const control_of = (control) => (control ? word(control.by, { number: control.number ?? "" }) : "");
 
 const problem_of = (motor) => {
   const found = [];
