@@ -157,7 +157,7 @@ fn a_log_is_a_session_file_that_the_page_can_save() {
     let link = lines.find(|line| line.starts_with("Open ")).unwrap();
     let address = link.split('/').nth(2).unwrap();
     let get = |path: &str| get(address, path, "");
-    assert!(get("/").contains("data-remote=\"sessions \""));
+    assert!(get("/").contains("data-remote=\"sessions\""));
     let list = get("/sessions");
     let (_, rest) = list.split_once("href=\"").unwrap();
     let path = rest.split('"').next().unwrap();

@@ -133,13 +133,17 @@ impl Site {
 
     /// The first file. Its root element says what the page shows of the server.
     fn index(&self, is_secure: bool) -> Bytes {
-        let sessions = if self.sessions.is_some() {
-            "sessions"
-        } else {
-            ""
-        };
-        let plain = if is_secure { "" } else { "plain" };
-        let root = format!("<html data-remote=\"{sessions} {plain}\" ");
+        let shown = [
+            (self.sessions.is_some(), "sessions"),
+            (self.fleet.is_some(), "fleet"),
+            (!is_secure, "plain"),
+        ];
+        let shown: Vec<_> = shown
+            .iter()
+            .filter(|(is, _)| *is)
+            .map(|(_, what)| *what)
+            .collect();
+        let root = format!("<html data-remote=\"{}\" ", shown.join(" "));
         self.index.replacen("<html ", &root, 1).into()
     }
 

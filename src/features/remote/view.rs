@@ -34,12 +34,14 @@ fn button(control: WhoDrives) -> String {
     format!(r#"<button type="button" class="button{class}" value="{value}">{label}</button>"#)
 }
 
-/// A link to the sessions that the server has written, and what the browser does not allow at this address. The style shows
-/// either where the server says so.
+/// Links to the sessions that the server has written and to the robots that it shows, and what the browser does not allow at
+/// this address. The style shows each where the server says so.
 fn of_server() -> String {
     [
         "<div class=of-server><a href=sessions target=_blank>",
         tr!("Sessions"),
+        "</a><a href=fleet target=_blank>",
+        tr!("Fleet"),
         "</a><details><summary>",
         tr!("Not encrypted"),
         "</summary><p>",
@@ -49,7 +51,7 @@ fn of_server() -> String {
     .concat()
 }
 
-/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`, link `Sessions`.
+/// Group `Remote`: status `Operator`, buttons `Watch`, `Take control`, `Give up control`, links `Sessions` and `Fleet`.
 #[component]
 pub(crate) fn RemoteGroup(page: Page) -> impl IntoView {
     let state = RwSignal::new(String::new());
