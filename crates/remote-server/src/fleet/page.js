@@ -39,6 +39,7 @@ const control_of = (control) => (control ? word(control.by, { number: control.nu
 const problem_of = (motor) => {
   const found = [];
   if (motor.faults) found.push(word("faults", { bits: `0x${motor.faults.toString(16).padStart(2, "0")}` }));
+  if (!motor.activity) found.push(word("no_reply_yet"));
   if (motor.silent) found.push(word("silent"));
   if (motor.may_turn && motor.activity === "idle") found.push(word("may_turn"));
   if (motor.turns_unasked) found.push(word("turns_unasked"));
@@ -93,7 +94,8 @@ const fill = (cells, robot) => {
   show(cells.control, heard ? control_of(state.control) : "");
   show(cells.motors, heard ? number(motors.length, 0) : "");
   show(cells.hottest, degrees.length ? `${number(Math.max(...degrees), 0)} °C` : "");
-  show(cells.problem, motors.flatMap(problem_of).join("; "));
+  // Without a connection, nothing is known of any motor: the state says so.
+  show(cells.problem, state?.link.connected ? motors.flatMap(problem_of).join("; ") : "");
 };
 
 const show_robots = ({ robots: all, router }) => {
