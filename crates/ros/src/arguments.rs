@@ -8,6 +8,7 @@ use motorlink_protocol::MotorId;
 use zenoh::{Config, config::EndPoint};
 
 use crate::{
+    fleet::names::{RobotName, page_url},
     node::names::NodeName,
     odometry::OdometrySource,
     rover::{Rover, Wheel},
@@ -77,11 +78,38 @@ pub struct Arguments {
     /// Sends no transform from `odom` to `base_link`: another node does.
     #[arg(long)]
     pub no_tf: bool,
+    /// The way to the Zenoh network.
+    #[command(flatten)]
+    pub network: Network,
+    /// Name of the robot in the fleet: a-z A-Z 0-9 _ -. Usually the namespace, or the name of this computer.
+    #[arg(long, value_name = "NAME")]
+    pub robot: Option<String>,
+    /// Where `motorlink serve` shows its page, for the fleet.
+    #[arg(long, value_name = "URL", value_parser = page_url)]
+    pub page: Option<String>,
+    /// Session files for the fleet: the folder of `motorlink serve --log`.
+    #[arg(long, value_name = "FOLDER")]
+    pub sessions: Option<PathBuf>,
+}
+
+/// The way to the Zenoh network.
+#[derive(Debug, clap::Args)]
+pub struct Network {
     /// Where the Zenoh router is.
-    #[arg(long, default_value = "tcp/localhost:7447", value_name = "ENDPOINT")]
+    #[arg(
+        long,
+        global = true,
+        default_value = "tcp/localhost:7447",
+        value_name = "ENDPOINT"
+    )]
     pub connect: Vec<String>,
     /// Configuration of the Zenoh session instead, as for `rmw_zenoh`.
-    #[arg(long, env = "ZENOH_SESSION_CONFIG_URI", value_name = "FILE")]
+    #[arg(
+        long,
+        global = true,
+        env = "ZENOH_SESSION_CONFIG_URI",
+        value_name = "FILE"
+    )]
     pub config: Option<PathBuf>,
 }
 
@@ -160,12 +188,35 @@ impl Arguments {
         NodeName::new(self.domain, &self.namespace, &self.node)
     }
 
+    /// Its name in the fleet.
+    ///
+    /// # Errors
+    ///
+    /// For a name that is none.
+    pub fn robot_name(&self) -> Result<RobotName> {
+        RobotName::choose(self.robot.as_deref(), &self.namespace)
+    }
+
     /// The session: as that of `rmw_zenoh`, a peer that finds others by its router.
     ///
     /// # Errors
     ///
     /// For a file that is no configuration, and an endpoint that is none.
     pub fn zenoh(&self) -> Result<Config> {
+        self.network.configuration(&[
+            ("mode", "\"peer\""),
+            ("listen/endpoints", "[\"tcp/localhost:0\"]"),
+        ])
+    }
+}
+
+impl Network {
+    /// That of the file, else one with these settings.
+    ///
+    /// # Errors
+    ///
+    /// For a file that is no configuration, and an endpoint that is none.
+    pub fn configuration(&self, settings: &[(&str, &str)]) -> Result<Config> {
         if let Some(file) = &self.config {
             return Config::from_file(file).map_err(|error| anyhow!("{}: {error}", file.display()));
         }
@@ -177,12 +228,11 @@ impl Arguments {
             })
         });
         let connect = connect.collect::<Result<Vec<_>>>()?.join(",");
-        for (key, value) in [
-            ("mode", "\"peer\""),
-            ("connect/endpoints", &format!("[{connect}]")),
-            ("listen/endpoints", "[\"tcp/localhost:0\"]"),
+        let usual = [
+            ("connect/endpoints", &*format!("[{connect}]")),
             ("scouting/multicast/enabled", "false"),
-        ] {
+        ];
+        for (key, value) in usual.iter().chain(settings) {
             config
                 .insert_json5(key, value)
                 .map_err(|error| anyhow!("{key} {value}: {error}"))?;

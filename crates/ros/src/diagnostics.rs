@@ -1,16 +1,13 @@
 //! `/diagnostics`: how the drive and each motor are, and what is wrong.
 
-use motorlink_controller_messages::{Activity, DriveState, Holder, Motor, State};
+use motorlink_controller_messages::{Holder, Motor, State};
 
 use crate::{
+    drive::Why,
     node::messages::{DiagnosticArray, DiagnosticStatus, Header, KeyValue, Time},
     rover::{Rover, Wheel},
+    status::{DriveStatus, Level, MotorStatus},
 };
-
-const OK: u8 = 0;
-const WARNING: u8 = 1;
-const ERROR: u8 = 2;
-const STALE: u8 = 3;
 
 /// What the node itself has to say.
 #[derive(Debug)]
@@ -18,7 +15,7 @@ pub struct NodeStatus {
     /// With its namespace.
     pub name: String,
     /// Whether it drives, and if not, why.
-    pub drives: Result<(), String>,
+    pub drives: Result<(), Why>,
     /// It drives only after nobody has asked for a while.
     pub must_rest: bool,
     /// Gaps in the odometry.
@@ -53,24 +50,7 @@ pub fn of(
 }
 
 fn of_drive(state: Option<&State>, of_node: &NodeStatus) -> DiagnosticStatus {
-    let (level, message) = match (&of_node.drives, state) {
-        (_, None) => (ERROR, "no connection to motorlink".to_owned()),
-        (_, Some(state)) if !state.is_open => (ERROR, "motorlink has no serial port".to_owned()),
-        (Ok(()), _) => (OK, "drives".to_owned()),
-        (_, Some(state)) if state.drive == DriveState::Starting => (OK, "starting".to_owned()),
-        (_, Some(state)) if state.drive == DriveState::Stopping => {
-            (OK, "the motors are being stopped".to_owned())
-        }
-        (Err(why), Some(state)) if state.drive == DriveState::NotConfirmed => (
-            ERROR,
-            format!("NOT CONFIRMED THAT THE MOTORS STAND. Stopped: {why}"),
-        ),
-        (Err(why), _) if of_node.must_rest => (
-            WARNING,
-            format!("stopped: {why}. Drives again after cmd_vel has rested for 2 s"),
-        ),
-        (Err(why), _) => (OK, format!("stopped: {why}")),
-    };
+    let drive = DriveStatus::of(state, of_node.drives, of_node.must_rest);
     let control = state.map_or_else(String::new, |state| match state.holder {
         (Holder::Nobody, _) => "nobody".to_owned(),
         (Holder::Page, number) => format!("page {number}"),
@@ -78,9 +58,9 @@ fn of_drive(state: Option<&State>, of_node: &NodeStatus) -> DiagnosticStatus {
         (Holder::You, _) => "this node".to_owned(),
     });
     DiagnosticStatus {
-        level,
+        level: number(drive.level()),
         name: format!("{}: drive", of_node.name),
-        message,
+        message: drive.to_string(),
         hardware_id: of_node.name.clone(),
         values: values([
             ("control", control),
@@ -92,38 +72,15 @@ fn of_drive(state: Option<&State>, of_node: &NodeStatus) -> DiagnosticStatus {
 
 fn of_motor(wheel: &Wheel, motor: Option<&Motor>, node: &str) -> DiagnosticStatus {
     let id = wheel.id.get();
-    let (level, message) = match motor {
-        None => (STALE, "no reply yet".to_owned()),
-        Some(motor) if motor.is_silent => (STALE, "no reply for 2 s".to_owned()),
-        Some(motor) if motor.faults.is_some_and(|faults| faults != 0) => (
-            ERROR,
-            format!("faults {:#04x}", motor.faults.unwrap_or_default()),
-        ),
-        Some(motor) if motor.may_turn && motor.activity == Activity::Idle => {
-            (ERROR, "has not confirmed that it stands".to_owned())
-        }
-        Some(motor) if motor.turns_unasked => {
-            (WARNING, "turns though nothing drives it".to_owned())
-        }
-        Some(motor) => {
-            let activity = match motor.activity {
-                Activity::Idle => "idle",
-                Activity::Driven => "driven",
-                Activity::Stopping => "is being stopped",
-                Activity::Switching => "is switched to another loop",
-                Activity::DrivenRaw => "driven by a raw frame",
-            };
-            (OK, activity.to_owned())
-        }
-    };
+    let status = MotorStatus::of(motor);
     let told = |value: Option<String>| value.unwrap_or_else(|| "unknown".to_owned());
     let value = |value: Option<(f32, u32)>, unit: &str| {
         told(value.map(|(value, _)| format!("{value:.2} {unit}")))
     };
     DiagnosticStatus {
-        level,
+        level: number(status.level()),
         name: format!("{node}: motor {id}"),
-        message,
+        message: status.to_string(),
         hardware_id: format!("motor {id} ({})", wheel.joint),
         values: motor.map_or_else(Vec::new, |motor| {
             values([
@@ -143,6 +100,16 @@ fn of_motor(wheel: &Wheel, motor: Option<&Motor>, node: &str) -> DiagnosticStatu
     }
 }
 
+/// As `diagnostic_msgs/DiagnosticStatus` has it.
+const fn number(level: Level) -> u8 {
+    match level {
+        Level::Ok => 0,
+        Level::Warning => 1,
+        Level::Error => 2,
+        Level::Stale => 3,
+    }
+}
+
 fn values<const N: usize>(values: [(&str, String); N]) -> Vec<KeyValue> {
     let value = |(key, value): (&str, String)| KeyValue {
         key: key.to_owned(),
@@ -153,13 +120,15 @@ fn values<const N: usize>(values: [(&str, String); N]) -> Vec<KeyValue> {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_controller_messages::{DriveState, EndReason, NotArmed};
+
     use super::*;
     use crate::{
         rover::tests::rover,
         telemetry::tests::{motor, state},
     };
 
-    fn levels(state: Option<&State>, drives: Result<(), String>) -> Vec<(u8, String)> {
+    fn levels(state: Option<&State>, drives: Result<(), Why>) -> Vec<(u8, String)> {
         let of_node = NodeStatus {
             name: "/motorlink".to_owned(),
             must_rest: drives.is_err(),
@@ -183,33 +152,33 @@ mod tests {
             ..motor(2)
         };
         let told = levels(Some(&state(vec![silent, faulty])), Ok(()));
-        assert_eq!(told[0], (OK, "drives".to_owned()));
-        assert_eq!(told[1], (STALE, "no reply for 2 s".to_owned()));
-        assert_eq!(told[2], (ERROR, "faults 0x10".to_owned()));
+        assert_eq!(told[0], (0, "drives".to_owned()));
+        assert_eq!(told[1], (3, "no reply for 2 s".to_owned()));
+        assert_eq!(told[2], (2, "faults 0x10".to_owned()));
         let unconfirmed = Motor {
             may_turn: true,
             ..motor(1)
         };
         let told = levels(
             Some(&state(vec![unconfirmed])),
-            Err("a page has control".to_owned()),
+            Err(Why::Refused(NotArmed::PageHasControl)),
         );
         assert_eq!(
             told[0],
             (
-                WARNING,
+                1,
                 "stopped: a page has control. Drives again after cmd_vel has rested for 2 s"
                     .to_owned()
             )
         );
-        assert_eq!(told[1].0, ERROR);
-        assert_eq!(told[2], (STALE, "no reply yet".to_owned()));
+        assert_eq!(told[1].0, 2);
+        assert_eq!(told[2], (3, "no reply yet".to_owned()));
         let stopped = State {
             drive: DriveState::NotConfirmed,
             ..state(vec![])
         };
-        let told = levels(Some(&stopped), Err("disarmed".to_owned()));
-        assert_eq!(told[0].0, ERROR);
-        assert_eq!(levels(None, Ok(()))[0].0, ERROR);
+        let told = levels(Some(&stopped), Err(Why::Ended(EndReason::Disarmed)));
+        assert_eq!(told[0].0, 2);
+        assert_eq!(levels(None, Ok(()))[0].0, 2);
     }
 }

@@ -9,7 +9,9 @@
 //! | `cmd_vel` | the newest command, and for how long it counts |
 //! | `drive` | when the motors are armed, moved and stopped |
 //! | `odometry` | where the robot is |
+//! | `status` | how the drive and the motors are |
 //! | `telemetry`, `diagnostics` | states as messages |
+//! | `fleet` | what all robots of a network publish, and the program that shows it |
 //! | `robot` | the loop |
 //! | `network` | what the loop is told from ROS, and what it sends there |
 //! | `run` | the program |
@@ -18,6 +20,7 @@ pub mod arguments;
 pub mod cmd_vel;
 pub mod diagnostics;
 pub mod drive;
+pub mod fleet;
 pub mod motorlink;
 pub mod network;
 pub mod node;
@@ -25,6 +28,7 @@ pub mod odometry;
 pub mod robot;
 pub mod rover;
 pub mod run;
+pub mod status;
 pub mod telemetry;
 
 use std::{

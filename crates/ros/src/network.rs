@@ -13,6 +13,7 @@ use anyhow::{Context as _, Result};
 
 use crate::{
     arguments::Arguments,
+    fleet::{publisher::Publisher, state::RobotState},
     motorlink::{Connection, FromMotorlink},
     node::{
         Listening, Node, Request, Topic,
@@ -61,6 +62,8 @@ pub enum Output {
     Temperature(usize, Temperature),
     /// `/diagnostics`.
     Diagnostics(DiagnosticArray),
+    /// The state for the fleet.
+    Fleet(Box<RobotState>),
 }
 
 /// Listens to `cmd_vel` in both forms, and to the services.
@@ -136,6 +139,7 @@ pub fn publish(
         node.publish::<Temperature>(&topic, 10)
     });
     let temperatures: Vec<Topic> = temperatures.collect::<Result<_>>()?;
+    let fleet = Publisher::new(node.session(), &arguments.robot_name()?)?;
     let (outputs, waiting) = mpsc::sync_channel(WAITING_MAX);
     thread::Builder::new()
         .name("publish".to_owned())
@@ -154,6 +158,7 @@ pub fn publish(
                         .get(wheel)
                         .map_or(Ok(()), |topic| topic.send(&message)),
                     Output::Diagnostics(message) => diagnostics.send(&message),
+                    Output::Fleet(state) => fleet.send(&state),
                 };
                 if let Err(error) = sent {
                     say(&format!("not sent: {error}"));

@@ -17,6 +17,7 @@ use crate::{
     arguments::Arguments,
     cmd_vel::{CmdVel, Taken},
     drive::{Drive, Why},
+    fleet::publisher::Reporter,
     motorlink::{Connection, FromMotorlink},
     network::{Input, Output},
     node::Request,
@@ -65,6 +66,7 @@ pub struct Robot {
     /// When the state came that was published last.
     published: Option<Instant>,
     diagnosed: Instant,
+    reporter: Reporter,
     late: u32,
     /// Emergency stops that wait for the motors, each until when.
     stops: Vec<(Instant, Request)>,
@@ -75,7 +77,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// A robot that waits for its connection.
+    /// A robot that waits for its connection. `session` is its ID in Zenoh.
     ///
     /// # Errors
     ///
@@ -85,6 +87,7 @@ impl Robot {
         rover: Rover,
         to: Sender<Input>,
         outputs: SyncSender<Output>,
+        session: String,
     ) -> Result<Self> {
         let now = Instant::now();
         Ok(Self {
@@ -109,6 +112,7 @@ impl Robot {
             publishes: now,
             published: None,
             diagnosed: now,
+            reporter: Reporter::new(session, arguments.page.clone(), now),
             late: 0,
             stops: Vec::new(),
             e_stops: 0,
@@ -197,6 +201,7 @@ impl Robot {
             }
             self.publish();
         }
+        self.report(now);
         if now.duration_since(self.diagnosed) >= EVERY_SECOND {
             self.diagnosed = now;
             self.diagnose();

@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::{
     arguments::Arguments,
+    fleet::sessions::serve,
     network::{Input, listen, publish, watch_router},
     node::Node,
     robot::Robot,
@@ -35,14 +36,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let node = Arc::new(Node::open(arguments.zenoh()?, arguments.node_name()?)?);
     let listening = listen(&node, &to)?;
     let outputs = publish(&node, &rover, arguments)?;
+    let sessions = arguments.sessions.clone();
+    let sessions = sessions.map(|folder| serve(node.session(), &arguments.robot_name()?, folder));
+    let sessions = sessions.transpose()?;
     say(&format!(
         "{} is in domain {}",
         arguments.node, arguments.domain
     ));
     watch_router(&node);
-    let mut robot = Robot::new(arguments, rover, to, outputs)?;
+    let mut robot = Robot::new(arguments, rover, to, outputs, node.zid())?;
     robot.run(&inputs);
-    drop(listening);
+    drop((listening, sessions));
     node.close();
     wait_until_said();
     Ok(())

@@ -164,13 +164,21 @@ impl Node {
         self.session.info().routers_zid().wait().next().is_some()
     }
 
+    /// Its session of Zenoh.
+    #[must_use]
+    pub const fn session(&self) -> &Session {
+        &self.session
+    }
+
     /// Leaves the network.
     pub fn close(&self) {
         // The program ends in any case.
         let _ = self.session.close().wait();
     }
 
-    fn zid(&self) -> String {
+    /// The ID of its session.
+    #[must_use]
+    pub fn zid(&self) -> String {
         self.session.zid().to_string()
     }
 

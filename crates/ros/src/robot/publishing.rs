@@ -1,6 +1,6 @@
 //! What the robot publishes.
 
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::Robot;
 use crate::{
@@ -37,11 +37,21 @@ impl Robot {
         }
     }
 
+    /// The state for the fleet, when it is due.
+    pub(super) fn report(&mut self, now: Instant) {
+        let state = self.state.as_ref().map(|(at, _, state)| (*at, state));
+        let report = self.reporter.report(now, state, &self.drive, &self.rover);
+        if let Some(report) = report {
+            // The next one is newer.
+            let _ = self.outputs.try_send(Output::Fleet(Box::new(report)));
+        }
+    }
+
     /// Once a second.
     pub(super) fn diagnose(&mut self) {
         let of_node = NodeStatus {
             name: self.name.clone(),
-            drives: self.drive.is_driving().map_err(|why| why.to_string()),
+            drives: self.drive.is_driving(),
             must_rest: self.drive.must_rest(),
             gaps: self.odometry.gaps(),
             late: std::mem::take(&mut self.late),
