@@ -125,6 +125,13 @@ pub struct Bench {
     folder: TempDir,
 }
 
+/// `motorlink-fleet`, which connects to this router.
+pub fn fleet(endpoint: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motorlink-fleet"));
+    command.args(["--connect", endpoint]).args(arguments);
+    command
+}
+
 fn motorlink() -> PathBuf {
     env::var_os("MOTORLINK").map_or_else(
         || {
@@ -140,21 +147,32 @@ fn motorlink() -> PathBuf {
 impl Bench {
     /// Starts all of it. `flags` are those of this program.
     pub fn start(flags: &[&str]) -> Self {
+        Self::start_at(None, flags)
+    }
+
+    /// Starts all of it at the router of another bench.
+    pub fn start_beside(other: &Self, flags: &[&str]) -> Self {
+        Self::start_at(Some(other.router_port), flags)
+    }
+
+    fn start_at(router_port: Option<u16>, flags: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("port");
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let router_port = listener.local_addr().unwrap().port();
+        let own_port = listener.local_addr().unwrap().port();
         drop(listener);
         let mut bench = Self {
             ros: None,
             served: None,
             motors: Motors::start(link.to_str().unwrap()),
             router: None,
-            router_port,
+            router_port: router_port.unwrap_or(own_port),
             flags: flags.iter().map(|flag| (*flag).to_owned()).collect(),
             folder,
         };
-        bench.start_router();
+        if router_port.is_none() {
+            bench.start_router();
+        }
         bench.serve();
         bench.start_ros();
         bench

@@ -12,5 +12,6 @@
 
 mod bench;
 mod driving;
+mod fleet;
 mod interoperation;
 mod odometry;
