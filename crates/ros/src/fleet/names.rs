@@ -3,9 +3,12 @@
 //! | key | what |
 //! |---|---|
 //! | `motorlink/ROBOT/state` | the state, 10 a second |
-//! | `motorlink/ROBOT/alive/SESSION` | the liveliness token of the robot's Zenoh session |
+//! | `motorlink/@alive/ROBOT/SESSION` | the liveliness token of the robot's Zenoh session |
 //! | `motorlink/ROBOT/sessions` | answers the list of session files |
 //! | `motorlink/ROBOT/sessions/FILE?from=BYTE` | answers a piece of a file |
+//!
+//! A client of Zenoh compares each state with all tokens that are below the same part of a key. Apart from the robots, the tokens of 1,000
+//! of them cost it nothing.
 
 use std::{fmt, str::FromStr};
 
@@ -20,7 +23,7 @@ const ENDING: &str = ".mcap";
 /// What all robots publish.
 pub const ALL_STATES: &str = "motorlink/*/state";
 /// The tokens of all robots.
-pub const ALL_TOKENS: &str = "motorlink/*/alive/*";
+pub const ALL_TOKENS: &str = "motorlink/@alive/*/*";
 
 /// The name of a robot: letters, digits, `_` and `-`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,7 +54,7 @@ impl RobotName {
     /// Of its token in this Zenoh session.
     #[must_use]
     pub fn token_key(&self, session: &str) -> String {
-        format!("motorlink/{self}/alive/{session}")
+        format!("motorlink/@alive/{self}/{session}")
     }
 
     /// Of the list of its session files. They are below it.
@@ -88,11 +91,19 @@ fn valid(text: &str) -> Option<String> {
     name.contains(|char| char != '-').then_some(name)
 }
 
-/// The robot and the rest of a key below it.
+/// The robot whose states have this key.
 #[must_use]
-pub fn split(key: &str) -> Option<(RobotName, &str)> {
-    let (name, rest) = key.strip_prefix("motorlink/")?.split_once('/')?;
-    Some((name.parse().ok()?, rest))
+pub fn of_state(key: &str) -> Option<RobotName> {
+    let name = key.strip_prefix("motorlink/")?.strip_suffix("/state")?;
+    name.parse().ok()
+}
+
+/// The robot and the Zenoh session of a token.
+#[must_use]
+pub fn of_token(key: &str) -> Option<(RobotName, &str)> {
+    let (name, session) = key.strip_prefix("motorlink/@alive/")?.split_once('/')?;
+    let name = name.parse().ok()?;
+    is_session(session).then_some((name, session))
 }
 
 /// Whether it is the ID of a Zenoh session.
@@ -153,11 +164,17 @@ mod tests {
 
     #[test]
     fn keys_that_are_none_of_a_robot_are_refused() {
-        let (name, rest) = split("motorlink/rover-1/state").unwrap();
-        assert_eq!((name.to_string().as_str(), rest), ("rover-1", "state"));
+        let name = of_state("motorlink/rover-1/state").unwrap();
         assert_eq!(name.state_key(), "motorlink/rover-1/state");
-        for wrong in ["motorlink/a b/state", "other/a/state", "motorlink/state"] {
-            assert!(split(wrong).is_none(), "{wrong}");
+        let token = name.token_key("a1");
+        assert_eq!(of_token(&token), Some((name, "a1")));
+        for wrong in [
+            "motorlink/a b/state",
+            "other/a/state",
+            "motorlink/state",
+            "motorlink/a/b/state",
+        ] {
+            assert!(of_state(wrong).is_none(), "{wrong}");
         }
     }
 

@@ -138,7 +138,7 @@ mod tests {
         let now = Instant::now();
         let mut watch = Watch::default();
         for number in 0..30 {
-            watch.take_token(now, &format!("motorlink/r{number:02}/alive/a1"), true);
+            watch.take_token(now, &format!("motorlink/@alive/r{number:02}/a1"), true);
         }
         let view = View {
             rows: watch.rows(now),

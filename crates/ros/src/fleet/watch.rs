@@ -10,7 +10,7 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    names::{RobotName, is_session, split},
+    names::{RobotName, of_state, of_token},
     state::{Level, RobotState},
 };
 
@@ -84,8 +84,7 @@ impl Row {
 impl Watch {
     /// Takes what was published.
     pub fn take_state(&mut self, now: Instant, key: &str, bytes: &[u8]) {
-        let name = split(key).filter(|(_, rest)| *rest == "state");
-        let Some(((name, _), state)) = name.zip(RobotState::read(bytes)) else {
+        let Some((name, state)) = of_state(key).zip(RobotState::read(bytes)) else {
             self.ignored += 1;
             return;
         };
@@ -96,11 +95,7 @@ impl Watch {
 
     /// Takes the coming or going of a token.
     pub fn take_token(&mut self, now: Instant, key: &str, is_alive: bool) {
-        let token = split(key).and_then(|(name, rest)| {
-            let session = rest.strip_prefix("alive/")?;
-            is_session(session).then_some((name, session))
-        });
-        let Some((name, session)) = token else {
+        let Some((name, session)) = of_token(key) else {
             self.ignored += 1;
             return;
         };

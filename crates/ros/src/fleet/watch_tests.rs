@@ -17,7 +17,7 @@ fn names(rows: &[Row]) -> Vec<(&str, bool)> {
 
 /// A robot with its token and one state.
 fn hear(watch: &mut Watch, now: Instant, name: &str, session: &str, level: &str) {
-    watch.take_token(now, &format!("motorlink/{name}/alive/{session}"), true);
+    watch.take_token(now, &format!("motorlink/@alive/{name}/{session}"), true);
     let state = json(session).replace(r#""level":"ok""#, &format!(r#""level":"{level}""#));
     watch.take_state(now, &format!("motorlink/{name}/state"), state.as_bytes());
 }
@@ -28,7 +28,7 @@ fn a_robot_is_heard_while_its_token_and_a_new_state_are_there() {
     let mut watch = Watch::default();
     watch.take_state(start, STATE, json("a1").as_bytes());
     assert_eq!(names(&watch.rows(start)), [("rover-1", false)]);
-    watch.take_token(start, "motorlink/rover-1/alive/a1", true);
+    watch.take_token(start, "motorlink/@alive/rover-1/a1", true);
     let rows = watch.rows(start + ms(80));
     assert_eq!(names(&rows), [("rover-1", true)]);
     assert_eq!((rows[0].age_ms, rows[0].session.as_str()), (Some(80), "a1"));
@@ -37,7 +37,7 @@ fn a_robot_is_heard_while_its_token_and_a_new_state_are_there() {
     assert_eq!(rows[0].state, None);
     watch.take_state(start + ms(1_100), STATE, json("a1").as_bytes());
     assert!(watch.rows(start + ms(1_100))[0].heard);
-    watch.take_token(start + ms(1_101), "motorlink/rover-1/alive/a1", false);
+    watch.take_token(start + ms(1_101), "motorlink/@alive/rover-1/a1", false);
     assert!(!watch.rows(start + ms(1_101))[0].heard);
 }
 
@@ -45,7 +45,7 @@ fn a_robot_is_heard_while_its_token_and_a_new_state_are_there() {
 fn a_robot_that_was_never_heard_has_no_age() {
     let start = Instant::now();
     let mut watch = Watch::default();
-    watch.take_token(start, "motorlink/rover-1/alive/a1", true);
+    watch.take_token(start, "motorlink/@alive/rover-1/a1", true);
     let rows = watch.rows(start + ms(500));
     assert_eq!(
         serde_json::to_string(&rows).unwrap(),
@@ -60,7 +60,7 @@ fn problems_come_first_and_then_names() {
     for (name, level) in [("d", "ok"), ("b", "warning"), ("c", "error"), ("a", "ok")] {
         hear(&mut watch, start, name, "a1", level);
     }
-    watch.take_token(start, "motorlink/e/alive/a1", true);
+    watch.take_token(start, "motorlink/@alive/e/a1", true);
     let rows = watch.rows(start);
     let order: Vec<_> = rows.iter().map(|row| row.name.as_str()).collect();
     assert_eq!(order, ["e", "c", "b", "a", "d"]);
@@ -73,7 +73,7 @@ fn two_robots_with_one_name_are_two_rows_until_one_has_gone_for_long() {
     hear(&mut watch, start, "rover-1", "a1", "ok");
     hear(&mut watch, start, "rover-1", "b2", "ok");
     assert_eq!(watch.rows(start).len(), 2);
-    watch.take_token(start, "motorlink/rover-1/alive/a1", false);
+    watch.take_token(start, "motorlink/@alive/rover-1/a1", false);
     assert_eq!(
         names(&watch.rows(start + ms(900))),
         [("rover-1", false), ("rover-1", true)]
@@ -129,9 +129,9 @@ fn what_is_no_state_is_ignored_and_counted() {
     }
     watch.take_state(now, STATE, &[0xff, 0xfe]);
     for key in [
-        "motorlink/a/alive/xyz",
+        "motorlink/@alive/a/xyz",
         "motorlink/a/b",
-        "motorlink/a b/alive/a1",
+        "motorlink/@alive/a b/a1",
     ] {
         watch.take_token(now, key, true);
     }
@@ -144,7 +144,7 @@ fn more_robots_than_the_limit_are_ignored_and_one_that_has_gone_makes_room() {
     let start = Instant::now();
     let mut watch = Watch::default();
     for number in 0..ROBOTS_MAX + 5 {
-        watch.take_token(start, &format!("motorlink/r{number}/alive/a1"), true);
+        watch.take_token(start, &format!("motorlink/@alive/r{number}/a1"), true);
     }
     assert_eq!((watch.rows(start).len(), watch.ignored()), (ROBOTS_MAX, 5));
     let later = start + ms(60_001);
