@@ -57,9 +57,9 @@ pub struct Arguments {
     /// Messages of `joint_states`, odom and /tf a second.
     #[arg(long, default_value_t = 50.0, value_name = "HZ")]
     pub rate: f64,
-    /// From what the way of a wheel is known. A DDSM210 or DDSM400 needs `speed`.
-    #[arg(long, value_enum, default_value_t = OdometrySource::Position)]
-    pub odometry: OdometrySource,
+    /// From what the way of a wheel is known. Without it, the model decides: a DDSM210 or DDSM400 tells its position too rarely.
+    #[arg(long, value_enum)]
+    pub odometry: Option<OdometrySource>,
     /// N·m/A, for `effort` in `joint_states`. None is built in: measure yours.
     #[arg(long, value_name = "NM_PER_A")]
     pub torque_constant: Option<f64>,

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use motorlink_controller_messages::{Motor, State};
 use motorlink_experiments::odometry::Pose;
+use motorlink_protocol::family::Model;
 
 use crate::{
     node::messages::Twist,
@@ -27,10 +28,21 @@ pub enum OdometrySource {
     Speed,
 }
 
+impl OdometrySource {
+    /// What suits the model. While it is not known, positions: those of a later reply count, too.
+    const fn of(model: Option<Model>) -> Self {
+        match model {
+            Some(Model::Ddsm210 | Model::Ddsm400) => Self::Speed,
+            Some(Model::Ddsm115 | Model::Ddsm315) | None => Self::Position,
+        }
+    }
+}
+
 /// Adds up the way of the robot.
 #[derive(Debug)]
 pub struct Odometry {
-    from: OdometrySource,
+    /// Chosen by a person, or by the model.
+    from: Option<OdometrySource>,
     /// Ahead and to the right in mm, clockwise in degrees: see [`Pose`].
     pose: Pose,
     /// For each wheel of the rover: its position, ahead in rad, when the way was counted last.
@@ -54,9 +66,9 @@ pub struct Moved {
 }
 
 impl Odometry {
-    /// The robot begins at 0.
+    /// The robot begins at 0. Without `from`, the model of its motors decides.
     #[must_use]
-    pub fn new(from: OdometrySource) -> Self {
+    pub fn new(from: Option<OdometrySource>) -> Self {
         Self {
             from,
             pose: Pose::default(),
@@ -91,6 +103,7 @@ impl Odometry {
             motor.reply_age.filter(|age| *age < GAP_US).map(|_| motor)
         });
         let motors: Vec<Option<&Motor>> = motors.collect();
+        let from = self.from.unwrap_or_else(|| OdometrySource::of(state.model));
         let seconds = self
             .counted_at
             .replace(now)
@@ -119,7 +132,7 @@ impl Odometry {
                     continue;
                 };
                 let velocity = wheel.sign() * f64::from(velocity);
-                let turned = match self.from {
+                let turned = match from {
                     OdometrySource::Position => {
                         counted.zip(*before).map(|(now, before)| now - before)
                     }
@@ -174,15 +187,20 @@ mod tests {
         /// Ahead, in rad.
         places: [f64; 2],
         reply_age: Option<u32>,
+        model: Option<Model>,
+        /// Whether the motors tell their positions.
+        tells_positions: bool,
     }
 
     impl Wheels {
-        fn new(from: OdometrySource) -> Self {
+        fn new(from: Option<OdometrySource>) -> Self {
             Self {
                 odometry: Odometry::new(from),
                 now: Instant::now(),
                 places: [3.0, -7.0],
                 reply_age: Some(5_000),
+                model: None,
+                tells_positions: true,
             }
         }
 
@@ -199,7 +217,7 @@ mod tests {
                     motors.push(Motor {
                         id: u8::try_from(index + 1).unwrap(),
                         reply_age: self.reply_age,
-                        position: Some((position, 5_000)),
+                        position: self.tells_positions.then_some((position, 5_000)),
                         #[expect(clippy::cast_possible_truncation, reason = "as in a state")]
                         velocity: Some(((sign * speeds[index]) as f32, 5_000)),
                         ..Motor::default()
@@ -207,6 +225,7 @@ mod tests {
                 }
                 let state = State {
                     motors,
+                    model: self.model,
                     ..State::default()
                 };
                 moved = self.odometry.advance(self.now, &state, &rover());
@@ -222,7 +241,7 @@ mod tests {
     #[test]
     fn ahead_and_a_turn_to_the_left_have_the_signs_of_ros() {
         for from in [OdometrySource::Position, OdometrySource::Speed] {
-            let mut wheels = Wheels::new(from);
+            let mut wheels = Wheels::new(Some(from));
             wheels.turn([0.0, 0.0]);
             let moved = wheels.turn([10.0, 10.0]).unwrap();
             assert!(near(moved.x, 0.5) && near(moved.y, 0.0), "{moved:?}");
@@ -239,8 +258,28 @@ mod tests {
     }
 
     #[test]
+    fn the_model_decides_what_the_way_is_known_from() {
+        for (model, is_known) in [
+            (Some(Model::Ddsm210), true),
+            (Some(Model::Ddsm400), true),
+            (Some(Model::Ddsm115), false),
+            (None, false),
+        ] {
+            let mut wheels = Wheels::new(None);
+            (wheels.model, wheels.tells_positions) = (model, false);
+            wheels.turn([0.0, 0.0]);
+            let moved = wheels.turn([10.0, 10.0]);
+            assert_eq!(
+                moved.is_some_and(|moved| near(moved.x, 0.5)),
+                is_known,
+                "{model:?}"
+            );
+        }
+    }
+
+    #[test]
     fn what_was_not_counted_is_a_gap_and_no_way() {
-        let mut wheels = Wheels::new(OdometrySource::Position);
+        let mut wheels = Wheels::new(None);
         wheels.turn([10.0, 10.0]);
         wheels.reply_age = Some(1_200_000);
         assert_eq!(wheels.turn([10.0, 10.0]), None);

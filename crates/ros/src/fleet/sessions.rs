@@ -21,8 +21,8 @@ use super::names::{RobotName, is_file};
 
 /// Bytes of an answer.
 pub const PIECE_MAX: u64 = 1_000_000;
-/// Files in a list. `motorlink serve --log` keeps fewer.
-pub const FILES_MAX: usize = 5_000;
+/// Files in a list, which fits into an answer. `motorlink serve --log` keeps fewer.
+pub const FILES_MAX: usize = 2_000;
 /// Questions that wait. More get no answer.
 const WAITING_MAX: usize = 16;
 

@@ -89,7 +89,11 @@ impl Watch {
             return;
         };
         if let Some(robot) = self.robot(now, name, &state.session) {
-            robot.newest = Some((now, state));
+            // What comes late tells nothing about now.
+            let is_newer = |(_, newest): &(Instant, RobotState)| state.number > newest.number;
+            if robot.newest.as_ref().is_none_or(is_newer) {
+                robot.newest = Some((now, state));
+            }
         }
     }
 

@@ -15,6 +15,11 @@ fn names(rows: &[Row]) -> Vec<(&str, bool)> {
     each.map(|row| (row.name.as_str(), row.heard)).collect()
 }
 
+/// The state after that of `json`.
+fn next(session: &str) -> String {
+    json(session).replace(r#""number":7"#, r#""number":8"#)
+}
+
 /// A robot with its token and one state.
 fn hear(watch: &mut Watch, now: Instant, name: &str, session: &str, level: &str) {
     watch.take_token(now, &format!("motorlink/@alive/{name}/{session}"), true);
@@ -35,7 +40,10 @@ fn a_robot_is_heard_while_its_token_and_a_new_state_are_there() {
     let rows = watch.rows(start + ms(1_001));
     assert_eq!((rows[0].heard, rows[0].age_ms), (false, Some(1_001)));
     assert_eq!(rows[0].state, None);
+    // One that the network has delayed tells nothing about now.
     watch.take_state(start + ms(1_100), STATE, json("a1").as_bytes());
+    assert!(!watch.rows(start + ms(1_100))[0].heard);
+    watch.take_state(start + ms(1_100), STATE, next("a1").as_bytes());
     assert!(watch.rows(start + ms(1_100))[0].heard);
     watch.take_token(start + ms(1_101), "motorlink/@alive/rover-1/a1", false);
     assert!(!watch.rows(start + ms(1_101))[0].heard);
@@ -79,7 +87,7 @@ fn two_robots_with_one_name_are_two_rows_until_one_has_gone_for_long() {
         [("rover-1", false), ("rover-1", true)]
     );
     let later = start + ms(60_001);
-    hear(&mut watch, later, "rover-1", "b2", "ok");
+    watch.take_state(later, STATE, next("b2").as_bytes());
     assert_eq!(names(&watch.rows(later)), [("rover-1", true)]);
     // Without another one it stays.
     let much_later = later + ms(3_600_000);
