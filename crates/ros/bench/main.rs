@@ -37,6 +37,9 @@ use robots::{Robots, client, name};
 const RESTS: Duration = Duration::from_millis(2_500);
 /// A router is gone for so long.
 const OUTAGE: Duration = Duration::from_secs(3);
+/// What is asked of the fleet.
+const STALE: Duration = Duration::from_secs(1);
+const BACK_WITHIN: Duration = Duration::from_secs(10);
 const PATIENCE: Duration = Duration::from_secs(60);
 
 #[derive(Parser)]
@@ -99,7 +102,8 @@ fn main() -> Result<()> {
         .port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
     let router = start_router(&arguments, &endpoint)?;
-    let robots = Robots::start(&endpoint, arguments.robots)?;
+    // A thousand sessions take minutes to close one after the other.
+    let robots = Box::leak(Box::new(Robots::start(&endpoint, arguments.robots)?));
     let mut fleet = Command::new(&arguments.fleet)
         .args(["--json", "--connect", &endpoint])
         .stdin(Stdio::null())
@@ -136,8 +140,9 @@ fn main() -> Result<()> {
         "robots driven by cmd_vel through the router: {}",
         robots.drive()
     );
-    measure(&arguments, &robots, &lines_in, [&router, &fleet]);
-    restart(&arguments, &endpoint, &robots, &lines_in, router)
+    let measured = measure(&arguments, robots, &lines_in, [&router, &fleet]);
+    restart(&arguments, &endpoint, robots, &lines_in, router)?;
+    measured
 }
 
 fn start_router(arguments: &Arguments, endpoint: &str) -> Result<Program> {
@@ -200,7 +205,7 @@ fn measure(
     robots: &Robots,
     lines: &Receiver<(Instant, Line)>,
     [router, fleet]: [&Program; 2],
-) {
+) -> Result<()> {
     while lines.try_recv().is_ok() {}
     let programs = [
         ("zenohd", router.0.id()),
@@ -271,6 +276,9 @@ fn measure(
         let percent = (cpu_seconds(*id) - before) / elapsed * 100.0;
         println!("{name}: {percent:.0} % of a core, {} MB", memory_mb(*id));
     }
+    ensure!(fewest == arguments.robots, "not all robots were heard");
+    ensure!(oldest <= STALE, "a state was older than {STALE:?}");
+    Ok(())
 }
 
 fn restart(
@@ -312,6 +320,10 @@ fn restart(
         robots.drive()
     );
     drop(router);
+    ensure!(
+        took < BACK_WITHIN.as_secs_f64(),
+        "not all were back within {BACK_WITHIN:?}"
+    );
     Ok(())
 }
 

@@ -11,6 +11,7 @@ use crate::failure::refusal_of_flags;
 use crate::other_command;
 use crate::other_hosts;
 use crate::process;
+use crate::ros;
 use crate::site;
 use crate::site_file::Profile;
 use crate::tables::Rows;
@@ -90,12 +91,14 @@ const TABLE: &str = "docs/performance.md";
 
 /// Measures the page's performance figures, prints them, and updates the table in [`TABLE`].
 ///
-/// The first of `args` may name a part; the rows of other parts stay.
+/// The first of `args` may name a part; the rows of other parts stay. `fleet` is measured alone only, and prints: `docs/fleet.md` has
+/// its figures.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     // These need neither the page nor a browser, which take minutes to build.
     match args {
         [part] if part == "session" => return alone(workspace, &mut session(workspace)),
         [part] if part == "stops" => return alone(workspace, &mut stops(workspace)),
+        [part, args @ ..] if part == "fleet" => return ros::fleet(workspace, args),
         [part] if part == "driver" => {
             build_programs(workspace)?;
             return alone(workspace, &mut driver(workspace));

@@ -63,6 +63,7 @@ pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
         "wasm-bindgen-cli",
         version,
         &root,
+        OptLevel::None,
         &WASM_BINDGEN_WORKS,
         &flags,
     )?;
@@ -104,9 +105,19 @@ const CARGO_MUTANTS: Pinned = Pinned {
     version: "27.1.0",
 };
 
+/// The router of Zenoh, in the version that `crates/ros` links: see `bench fleet`.
+const ZENOHD: Pinned = Pinned {
+    package: "zenohd",
+    version: "1.10.2",
+};
+
 impl Pinned {
     /// The directory of the program; builds it if it is missing.
     fn ensure(&self) -> Result<PathBuf> {
+        self.ensure_with(OptLevel::None)
+    }
+
+    fn ensure_with(&self, level: OptLevel) -> Result<PathBuf> {
         let Self { package, version } = self;
         let cache = cache_dir()?;
         let root = cache.join("tools").join(format!("{package}-{version}"));
@@ -115,9 +126,18 @@ impl Pinned {
         if program.is_file() {
             return Ok(dir);
         }
-        install(package, version, &root, &[], &["--locked"])?;
+        install(package, version, &root, level, &[], &["--locked"])?;
         Ok(dir)
     }
+}
+
+/// How a program is optimised.
+#[derive(Clone, Copy, Debug)]
+enum OptLevel {
+    /// The build is much faster.
+    None,
+    /// For a program that is measured.
+    Full,
 }
 
 /// Builds a program into a directory of its own. Without optimisation the build is much faster, so that
@@ -126,6 +146,7 @@ fn install(
     package: &str,
     version: &str,
     root: &Path,
+    level: OptLevel,
     optimised: &[&str],
     flags: &[&str],
 ) -> Result<()> {
@@ -135,6 +156,10 @@ fn install(
     );
     // One for each program: a check and a test may build at the same time.
     let build = cache_dir()?.join(format!("build-{package}"));
+    let level = match level {
+        OptLevel::None => "0",
+        OptLevel::Full => "3",
+    };
     let mut install = process::cargo();
     install
         .args(["install", package, "--version", version])
@@ -147,7 +172,7 @@ fn install(
         .arg(root)
         // In the workspace's directory both would rebuild common dependencies each time.
         .env("CARGO_TARGET_DIR", &build)
-        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0")
+        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", level)
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
     process::run(&mut install)?;
@@ -177,6 +202,12 @@ fn path_with(program: &Pinned) -> Result<OsString> {
 pub fn ensure_cargo_deny() -> Result<PathBuf> {
     let program = format!("cargo-deny{}", env::consts::EXE_SUFFIX);
     Ok(CARGO_DENY.ensure()?.join(program))
+}
+
+/// zenohd itself, optimised.
+pub fn ensure_zenohd() -> Result<PathBuf> {
+    let program = format!("zenohd{}", env::consts::EXE_SUFFIX);
+    Ok(ZENOHD.ensure_with(OptLevel::Full)?.join(program))
 }
 
 /// Where tools outlive `cargo clean` and are shared by all checkouts.
