@@ -8,10 +8,10 @@ use anyhow::{Result, bail};
 use crate::browser::{self, Browser};
 use crate::cargo;
 use crate::failure::refusal_of_flags;
+use crate::fleet;
 use crate::other_command;
 use crate::other_hosts;
 use crate::process;
-use crate::ros;
 use crate::site;
 use crate::site_file::Profile;
 use crate::tables::Rows;
@@ -98,7 +98,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     match args {
         [part] if part == "session" => return alone(workspace, &mut session(workspace)),
         [part] if part == "stops" => return alone(workspace, &mut stops(workspace)),
-        [part, args @ ..] if part == "fleet" => return ros::fleet(workspace, args),
+        [part, args @ ..] if part == "fleet" => return fleet::bench(workspace, args),
         [part] if part == "driver" => {
             build_programs(workspace)?;
             return alone(workspace, &mut driver(workspace));

@@ -52,3 +52,11 @@ pub fn wasm(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<Co
 pub fn wasm_tests(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<Command> {
     wasm(workspace, subcommand, &[&PAGE_TESTS[..], args].concat())
 }
+
+/// For `crates/ros`, a workspace of its own.
+pub fn of_ros(workspace: &Workspace, subcommand: &str) -> Command {
+    let mut command = command(workspace, &[subcommand]);
+    command.args(["--manifest-path", "crates/ros/Cargo.toml"]);
+    command.env("CARGO_TARGET_DIR", workspace.root().join("target/ros"));
+    command
+}

@@ -13,6 +13,7 @@ mod command_line;
 mod content_hash;
 mod experiments;
 mod failure;
+mod fleet;
 mod invariants;
 mod layers;
 mod lines;
