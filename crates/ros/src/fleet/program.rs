@@ -82,7 +82,9 @@ impl Fleet {
         match self.command {
             Some(Command::Sessions { robot }) => {
                 let session = open(config)?;
-                for file in saving::list(&session, &robot)? {
+                let files = saving::list(&session, &robot)?;
+                ensure!(!files.is_empty(), "{robot} has no session files");
+                for file in files {
                     print(&format!("{:>12}  {}\n", file.bytes, file.name))?;
                 }
                 let _ = session.close().wait();
