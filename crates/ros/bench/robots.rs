@@ -58,7 +58,7 @@ pub struct Robots {
     turning: Arc<[AtomicU64; THREADS]>,
     /// Robots that follow commands, by thread.
     driving: Arc<[AtomicU64; THREADS]>,
-    _nodes: Vec<Arc<Node>>,
+    nodes: Vec<Arc<Node>>,
 }
 
 /// A client of this router.
@@ -97,7 +97,7 @@ impl Robots {
             dropped: Arc::default(),
             turning: Arc::default(),
             driving: Arc::default(),
-            _nodes: Vec::new(),
+            nodes: Vec::new(),
         };
         let mut shares: [Share; THREADS] = Default::default();
         let begun = Instant::now();
@@ -105,11 +105,11 @@ impl Robots {
             let node = NodeName::new(0, &name(number), "motorlink")?;
             let node = Arc::new(Node::open(client(endpoint)?, node)?);
             let (to, inputs) = mpsc::channel();
-            let published = Published::default();
+            let times = Published::default();
             let now = Instant::now();
             // Not all in one step.
             let first = now + STEP * u32::try_from(number % 10)?;
-            let (steps, publishes) = &mut shares[number % THREADS];
+            let (steps, outputs) = &mut shares[number % THREADS];
             steps.push(Robot {
                 inputs,
                 cmd_vel: CmdVel::new(Duration::from_millis(500), now),
@@ -120,9 +120,9 @@ impl Robots {
                 _listens: listen(&node, &to)?,
             });
             let publisher = Publisher::new(node.session(), &name(number).parse()?)?;
-            publishes.push((publisher, Arc::clone(&published)));
-            robots.published.push(published);
-            robots._nodes.push(node);
+            outputs.push((publisher, Arc::clone(&times)));
+            robots.published.push(times);
+            robots.nodes.push(node);
         }
         let took = begun.elapsed().as_secs_f64();
         println!("sessions opened, one after the other: {count} in {took:.1} s");
@@ -138,13 +138,13 @@ impl Robots {
         let bytes = Arc::clone(&self.bytes);
         thread::spawn(move || {
             for (index, state) in waiting {
-                let (publisher, published) = &publishers[index];
-                let mut published = published.lock().unwrap();
-                published.push_back((state.number, Instant::now()));
-                if published.len() > 600 {
-                    published.pop_front();
+                let (publisher, times) = &publishers[index];
+                let mut times = times.lock().unwrap();
+                times.push_back((state.number, Instant::now()));
+                if times.len() > 600 {
+                    times.pop_front();
                 }
-                drop(published);
+                drop(times);
                 let size = state.write().len();
                 bytes.fetch_add(size.try_into().unwrap(), Ordering::Relaxed);
                 // At the end, the sessions are closed.
