@@ -17,8 +17,21 @@ use crate::{
     serve::{get, page, serve},
 };
 
-/// It tells two states, of which the second has its process ID, and ends with its standard input.
-const SCRIPT: &str = "#!/bin/sh\necho '{\"robots\":[]}'\nsleep 0.2\necho \"{\\\"robots\\\":[],\\\"process\\\":$$,\\\"arguments\\\":\\\"$*\\\"}\"\nexec cat\n";
+/// It tells its process ID and its arguments again and again, and ends with its standard input.
+const SCRIPT: &str = r#"#!/usr/bin/env python3
+import json, os, sys, threading, time
+
+def end():
+    sys.stdin.read()
+    os._exit(0)
+
+state = {"robots": [], "process": os.getpid(), "arguments": " ".join(sys.argv[1:])}
+print(json.dumps(state), flush=True)
+threading.Thread(target=end).start()
+while True:
+    time.sleep(0.2)
+    print(json.dumps(state), flush=True)
+"#;
 
 /// A folder with the script, and the path that begins with it.
 fn with_script() -> (tempfile::TempDir, String) {
@@ -42,9 +55,9 @@ fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// The second state, and the process that has told it.
+/// The process that has told the state, and the rest.
 fn process(state: &str) -> Option<(u32, String)> {
-    let (_, rest) = state.split_once("\"process\":")?;
+    let (_, rest) = state.split_once("\"process\": ")?;
     let (process, rest) = rest.split_once(',')?;
     Some((process.parse().ok()?, rest.to_owned()))
 }
@@ -60,7 +73,7 @@ fn started(page: &Path, path: &str, flags: &[&str]) -> (Child, String) {
     let mut child = command.args(flags).env("PATH", path).spawn().unwrap();
     let lines = BufReader::new(child.stderr.take().unwrap()).lines();
     let mut lines = lines.map_while(Result::ok);
-    let link = lines.find(|line| line.ends_with("/fleet.")).unwrap();
+    let link = lines.find(|line| line.contains("/fleet")).unwrap();
     std::thread::spawn(move || lines.for_each(drop));
     let address = link.split('/').nth(2).unwrap();
     (child, address.to_owned())

@@ -37,7 +37,7 @@ pub struct Serve {
     #[arg(long, value_name = "PATH")]
     pub socket: Option<PathBuf>,
     /// Show the robots in a Zenoh network at /fleet, by the program motorlink-fleet: see docs/fleet.md. With =ENDPOINT, by
-    /// this router, such as tcp/site.local:7447. It needs no adapter
+    /// this router, such as tcp/site.local:7447
     #[arg(
         long,
         num_args = 0..=1,
@@ -46,6 +46,9 @@ pub struct Serve {
         value_name = "ENDPOINT"
     )]
     pub fleet: Option<String>,
+    /// Serve nothing but the fleet: this computer has no motors
+    #[arg(long, requires = "fleet", conflicts_with_all = ["log", "socket"])]
+    pub without_motors: bool,
     /// Folder of the page, in place of the one that this program was built with
     #[arg(long, value_name = "FOLDER")]
     pub page: Option<PathBuf>,

@@ -12,10 +12,11 @@ use motorlink_remote_server::Fleet;
 
 use crate::{failure::Failure, fleet, output::say};
 
-/// A line for ten thousand robots is shorter.
+/// A line for ten thousand robots with four motors each is shorter.
 const LINE_MAX: u64 = 32 << 20;
-/// How often it is started again.
+/// How soon it is started again at first. The pause doubles until it tells something.
 const AGAIN: Duration = Duration::from_secs(1);
+const AGAIN_MAX: Duration = Duration::from_secs(60);
 
 /// Tells what the program tells, until dropped.
 pub struct Watched {
@@ -72,14 +73,14 @@ fn started(router: &str) -> Result<Child, Failure> {
 
 /// Passes the lines on, and starts the program again when it ends.
 fn watch(to: &Fleet, program: &Program, router: &str) {
-    let mut said = false;
+    let mut pause = AGAIN;
     loop {
         let Some(stdout) = lock(program).as_mut().map(|child| child.stdout.take()) else {
             return;
         };
         let mut lines = stdout.map(BufReader::new);
         while let Some(line) = lines.as_mut().and_then(next_line) {
-            said = false;
+            pause = AGAIN;
             to.tell(line);
         }
         if let Some(child) = lock(program).as_mut() {
@@ -87,18 +88,22 @@ fn watch(to: &Fleet, program: &Program, router: &str) {
             let _ = child.kill();
             let _ = child.wait();
         }
-        thread::sleep(AGAIN);
+        if lock(program).is_none() {
+            return;
+        }
+        let seconds = pause.as_secs();
+        say(format_args!(
+            "motorlink-fleet has ended. It is started again in {seconds} s"
+        ));
+        thread::sleep(pause);
+        pause = (pause * 2).min(AGAIN_MAX);
         let mut running = lock(program);
         let Some(child) = running.as_mut() else {
             return;
         };
         match started(router) {
             Ok(again) => *child = again,
-            Err(failure) if !said => say(failure),
-            Err(_) => {}
-        }
-        if !std::mem::replace(&mut said, true) {
-            say("motorlink-fleet has ended. Starting it again");
+            Err(failure) => say(failure),
         }
     }
 }

@@ -10,7 +10,7 @@ mod web;
 
 use std::{io, path::Path, thread, time::Duration};
 
-use motorlink_driver::{Ender, found_ports};
+use motorlink_driver::Ender;
 use motorlink_messages::Adapter;
 use motorlink_remote_server::{Hub, Viewers};
 
@@ -36,9 +36,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 /// be opened.
 pub fn run(global: &Global, how: Serve, ender: &Ender) -> Result<(), Failure> {
     let log = how.log.clone();
-    let shows_only_fleet = shows_only_fleet(global, &how);
+    let without_motors = how.without_motors;
     let web = Web::prepare(how);
-    if shows_only_fleet {
+    if without_motors {
         return serve_fleet(web?, ender);
     }
     let opened = Connection::open_with(global, ender, |options| options.tells_traffic = true);
@@ -97,20 +97,9 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
     }
 }
 
-/// Whether nothing is asked for that needs a line, and there is none.
-fn shows_only_fleet(global: &Global, how: &Serve) -> bool {
-    how.fleet.is_some()
-        && how.log.is_none()
-        && how.socket.is_none()
-        && global.virtual_motors.is_none()
-        && global.port.is_none()
-        && found_ports().is_ok_and(|ports| ports.iter().all(|port| port.usb.is_none()))
-}
-
 /// Serves the page of the fleet alone.
 fn serve_fleet(web: Web, ender: &Ender) -> Result<(), Failure> {
     let started = web.start(None).map_err(no_threads)?;
-    say("No USB adapter: only the fleet is shown.");
     started.links.iter().for_each(say);
     let mut service = Service::ready();
     while !ender.is_asked() {

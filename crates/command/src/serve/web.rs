@@ -83,10 +83,20 @@ impl Web {
         let origin = format!("{scheme}://{}", SocketAddr::new(shown, listen.port()));
         let mut links = match &token {
             None => vec![format!("Open {origin}/ on this computer. Ctrl-C ends.")],
-            Some(token) => links(&origin, token, how.token_file.as_deref(), tls.is_some()),
+            Some(token) => links(
+                &origin,
+                token,
+                how.token_file.as_deref(),
+                warning(tls.is_some(), how.without_motors),
+            ),
         };
         if fleet.is_some() {
-            links.push(format!("The robots are at {origin}/fleet."));
+            let first = if token.is_some() {
+                ", once that link was opened"
+            } else {
+                ""
+            };
+            links.push(format!("The robots are at {origin}/fleet{first}."));
         }
         let socket = how.socket.as_deref().map(Socket::prepare).transpose()?;
         let mut known = how.names;
@@ -138,8 +148,20 @@ fn in_use(listen: SocketAddr, error: &io::Error) -> Failure {
     })
 }
 
+/// Who can do what with the link.
+const fn warning(is_encrypted: bool, without_motors: bool) -> &'static str {
+    match (without_motors, is_encrypted) {
+        (true, _) => "Anyone with this link sees the robots. It drives none.",
+        (false, true) => "Anyone with this link can drive the motors.",
+        (false, false) => {
+            "Anyone with this link can drive the motors. The connection is not encrypted: use it in a network that you trust, or use \
+             --certificate."
+        }
+    }
+}
+
 /// What a person opens, with a picture for phones.
-fn links(origin: &str, token: &Token, file: Option<&Path>, is_encrypted: bool) -> Vec<String> {
+fn links(origin: &str, token: &Token, file: Option<&Path>, warning: &str) -> Vec<String> {
     if let Some(file) = file
         .map(PathBuf::from)
         .filter(|_| !io::stderr().is_terminal())
@@ -151,12 +173,6 @@ fn links(origin: &str, token: &Token, file: Option<&Path>, is_encrypted: bool) -
         )];
     }
     let link = format!("{origin}/?token={token}");
-    let warning = if is_encrypted {
-        "Anyone with this link can drive the motors."
-    } else {
-        "Anyone with this link can drive the motors. The connection is not encrypted: use it in a network that you trust, or use \
-         --certificate."
-    };
     let mut lines = vec![format!("Open {link}"), warning.to_owned()];
     if let Ok(code) = QrCode::new(&link) {
         lines.push(code.render::<unicode::Dense1x2>().build());

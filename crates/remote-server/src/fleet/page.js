@@ -21,7 +21,10 @@ const show = (element, text) => {
 
 const say_trouble = (text) => show(document.getElementById("trouble"), text);
 
-const age = (ms) => (ms === undefined ? word("never_heard") : word("not_heard", { seconds: number(ms / 1000, 0) }));
+const age = (ms) => {
+  if (ms === undefined) return word("never_heard");
+  return ms < 1000 ? word("gone") : word("not_heard", { seconds: number(ms / 1000, 0) });
+};
 
 const state_of = ({ heard, age_ms, state }) => {
   if (!heard) return age(age_ms);
@@ -39,8 +42,8 @@ const control_of = (control) => (control ? word(control.by, { number: control.nu
 const problem_of = (motor) => {
   const found = [];
   if (motor.faults) found.push(word("faults", { bits: `0x${motor.faults.toString(16).padStart(2, "0")}` }));
-  if (!motor.activity) found.push(word("no_reply_yet"));
-  if (motor.silent) found.push(word("silent"));
+  if (motor.reply_age_ms === undefined) found.push(word("no_reply_yet"));
+  if (motor.silent) found.push(word("motor_silent"));
   if (motor.may_turn && motor.activity === "idle") found.push(word("may_turn"));
   if (motor.turns_unasked) found.push(word("turns_unasked"));
   return found.length ? [`${word("motor", { id: motor.id })}: ${found.join(", ")}`] : [];
@@ -75,7 +78,10 @@ const new_row = () => {
 
 const show_name = (cells, name, page) => {
   const link = cells.name.querySelector("a");
-  if (!page) return show(cells.name, name);
+  if (!page) {
+    if (link) cells.name.replaceChildren(name);
+    return show(cells.name, name);
+  }
   if (link?.href === page) return;
   const made = document.createElement("a");
   Object.assign(made, { href: page, target: "_blank", rel: "noreferrer", textContent: name });
@@ -121,7 +127,7 @@ const show_robots = ({ robots: all, router }) => {
   const count = (is) => number(all.filter(is).length, 0);
   show(document.getElementById("counts"), word("counts", {
     all: number(all.length, 0),
-    driving: count(({ state }) => state?.drive.is === "drives"),
+    driving: count(({ state }) => ["drives", "driven_by_other"].includes(state?.drive.is)),
     problems: count(({ state }) => state && state.level !== "ok"),
     lost: count(({ heard }) => !heard),
   }));
@@ -129,20 +135,32 @@ const show_robots = ({ robots: all, router }) => {
   else say_trouble(all.length ? "" : word("no_robots"));
 };
 
+/** The newest answer, for the filter. */
+let newest = null;
+
 const load = async () => {
-  const answer = await fetch("/fleet/state", { signal: AbortSignal.timeout(3000) });
+  const answer = await fetch("/fleet/state", { signal: AbortSignal.timeout(1500) });
   if (!answer.ok) throw new Error(String(answer.status));
-  show_robots(await answer.json());
+  newest = await answer.json();
+  show_robots(newest);
 };
 
-/** Without an answer, the old rows would look like the robots of now. */
-const lose = (error) => {
+const forget = () => {
+  newest = null;
   robots.replaceChildren();
   rows.clear();
   show(document.getElementById("counts"), "");
-  say_trouble(word(error.message === "503" ? "no_program" : "no_server"));
 };
 
+const REASONS = { 401: "no_access", 503: "no_program" };
+
+/** Without an answer, the old rows would look like the robots of now. */
+const lose = (error) => {
+  forget();
+  say_trouble(word(REASONS[error.message] ?? "no_server"));
+};
+
+/** One question at a time: an older answer comes behind no newer one. */
 const turn = async () => {
   if (!document.hidden) await load().catch(lose);
   setTimeout(turn, 1000);
@@ -154,9 +172,10 @@ const start = async () => {
   document.documentElement.lang = language;
   document.title = `${word("fleet")} · MotorLink`;
   for (const element of document.querySelectorAll("[data-word]")) element.textContent = word(element.dataset.word);
+  filter.addEventListener("input", () => newest && show_robots(newest));
+  // A hidden page asks nothing: its rows are old when it is shown again.
+  document.addEventListener("visibilitychange", () => document.hidden && forget());
   turn();
 };
 
-filter.addEventListener("input", () => load().catch(lose));
-document.addEventListener("visibilitychange", () => document.hidden || load().catch(lose));
-start();
+start().catch(() => setTimeout(() => location.reload(), 3000));
