@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use motorlink_controller_messages::{Activity, DriveState, Motor, State};
+use motorlink_controller_messages::{Activity, DriveState, EndReason, Motor, NotArmed, State};
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Why;
@@ -37,6 +37,8 @@ pub enum Link {
 pub enum Phase {
     /// The motors follow `cmd_vel`.
     Drives,
+    /// A page or another client drives motors.
+    DrivenByOther,
     /// They are being started.
     Starting,
     /// They are being stopped.
@@ -75,7 +77,9 @@ impl DriveStatus {
             (_, Some(DriveState::Starting)) => Phase::Starting,
             // It still turns when motorlink has not read yet that it must not.
             (_, Some(DriveState::Stopping | DriveState::Driven)) => Phase::Stopping,
-            (_, Some(DriveState::None | DriveState::Stands)) => Phase::Stopped,
+            (_, Some(DriveState::None | DriveState::Stands)) => {
+                state.map_or(Phase::Stopped, without_own_drive)
+            }
         };
         let why = match link {
             Link::NoConnection => Some(Why::NoConnection),
@@ -89,12 +93,27 @@ impl DriveStatus {
         }
     }
 
+    /// Whether it was stopped by a person or because something failed: it may not be left alone.
+    const fn is_held(&self) -> bool {
+        match self.why {
+            None
+            | Some(
+                Why::NotAsked
+                // The link says whether there is one now.
+                | Why::NoConnection
+                | Why::Refused(NotArmed::PageHasControl | NotArmed::OtherHasControl)
+                | Why::Ended(EndReason::None | EndReason::Disarmed | EndReason::Taken),
+            ) => false,
+            Some(_) => true,
+        }
+    }
+
     /// How bad it is.
     #[must_use]
     pub const fn level(&self) -> Level {
         match (self.link, self.phase) {
             (Link::NoConnection | Link::NoPort, _) | (_, Phase::NotConfirmed) => Level::Error,
-            (_, Phase::Stopped) if self.must_rest => Level::Warning,
+            (_, Phase::Stopped) if self.must_rest || self.is_held() => Level::Warning,
             _ => Level::Ok,
         }
     }
@@ -110,6 +129,7 @@ impl fmt::Display for DriveStatus {
             (Link::NoConnection, _) => f.write_str("no connection to motorlink"),
             (Link::NoPort, _) => f.write_str("motorlink has no serial port"),
             (_, Phase::Drives) => f.write_str("drives"),
+            (_, Phase::DrivenByOther) => f.write_str("driven by a page or another client"),
             (_, Phase::Starting) => f.write_str("starting"),
             (_, Phase::Stopping) => f.write_str("the motors are being stopped"),
             (_, Phase::NotConfirmed) => {
@@ -121,6 +141,21 @@ impl fmt::Display for DriveStatus {
             ),
             (_, Phase::Stopped) => write!(f, "stopped: {why}"),
         }
+    }
+}
+
+/// What the motors do that this program does not drive.
+fn without_own_drive(state: &State) -> Phase {
+    let does = |activities: &[Activity]| {
+        let mut motors = state.motors.iter();
+        motors.any(|motor| activities.contains(&motor.activity))
+    };
+    if does(&[Activity::Driven, Activity::Switching, Activity::DrivenRaw]) {
+        Phase::DrivenByOther
+    } else if does(&[Activity::Stopping]) {
+        Phase::Stopping
+    } else {
+        Phase::Stopped
     }
 }
 
@@ -183,5 +218,46 @@ impl fmt::Display for MotorStatus {
             Self::Does(Activity::Switching) => "is switched to another loop",
             Self::Does(Activity::DrivenRaw) => "driven by a raw frame",
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::telemetry::tests::{motor, state};
+
+    fn status(activity: Activity, why: Why) -> DriveStatus {
+        let doing = Motor {
+            activity,
+            ..motor(1)
+        };
+        DriveStatus::of(Some(&state(vec![doing, motor(2)])), Err(why), false)
+    }
+
+    #[test]
+    fn what_others_drive_does_not_stand() {
+        let phase = |activity| status(activity, Why::NotAsked).phase;
+        assert_eq!(phase(Activity::Driven), Phase::DrivenByOther);
+        assert_eq!(phase(Activity::DrivenRaw), Phase::DrivenByOther);
+        assert_eq!(phase(Activity::Stopping), Phase::Stopping);
+        assert_eq!(phase(Activity::Idle), Phase::Stopped);
+    }
+
+    #[test]
+    fn what_a_person_or_a_failure_has_stopped_is_no_good_state() {
+        let level = |why| status(Activity::Idle, why).level();
+        for why in [
+            Why::EStop,
+            Why::Refused(NotArmed::StoppedByPerson),
+            Why::Ended(EndReason::Stopped),
+            Why::Ended(EndReason::Fault),
+            Why::Ended(EndReason::Limit),
+            Why::Frozen,
+        ] {
+            assert_eq!(level(why), Level::Warning, "{why}");
+        }
+        for why in [Why::NotAsked, Why::Refused(NotArmed::PageHasControl)] {
+            assert_eq!(level(why), Level::Ok, "{why}");
+        }
     }
 }

@@ -36,7 +36,7 @@ pub struct Listening {
     session: Arc<OnceLock<Session>>,
 }
 
-/// A client: a peer would connect to each robot that it hears of. A message larger than a piece of a file is none of a robot.
+/// A client: a peer would connect to each robot that it hears of. No robot sends a message that is larger than this.
 ///
 /// # Errors
 ///
@@ -49,13 +49,13 @@ pub fn client(network: &Network) -> Result<Config> {
 }
 
 impl Listening {
-    /// Listens as soon as there is a router, and again after it was gone.
+    /// Listens as soon as there is a router, and again after it was gone. `says`: on the standard error, too, if there is none.
     #[must_use]
-    pub fn start(config: Config) -> Self {
+    pub fn start(config: Config, says: bool) -> Self {
         let listening = Self::default();
         let opening = listening.clone();
         thread::spawn(move || {
-            let mut is_first = true;
+            let mut is_first = says;
             while let Err(error) = opening.open(config.clone()) {
                 if std::mem::take(&mut is_first) {
                     say(&format!("{error:#}. Trying again"));

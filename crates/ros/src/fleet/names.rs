@@ -7,8 +7,7 @@
 //! | `motorlink/ROBOT/sessions` | answers the list of session files |
 //! | `motorlink/ROBOT/sessions/FILE?from=BYTE` | answers a piece of a file |
 //!
-//! A client of Zenoh compares each state with all tokens that are below the same part of a key. Apart from the robots, the tokens of 1,000
-//! of them cost it nothing.
+//! The tokens are not below `motorlink/ROBOT`: a client of Zenoh would compare each state with the tokens of all robots.
 
 use std::{fmt, str::FromStr};
 
@@ -117,7 +116,7 @@ pub fn is_session(text: &str) -> bool {
 ///
 /// # Errors
 ///
-/// When it is not one of http or https, in plain ASCII.
+/// When it is not one of http or https, in plain ASCII, and when it has the token: everybody in the network reads it.
 pub fn page_url(text: &str) -> Result<String, String> {
     let rest = ["http://", "https://"]
         .iter()
@@ -128,6 +127,9 @@ pub fn page_url(text: &str) -> Result<String, String> {
         rest.starts_with(|char: char| char.is_ascii_alphanumeric() || char == '[')
             && rest.bytes().all(is_plain)
     });
+    if text.contains("token=") {
+        return Err("leave the token out: everybody in the network reads the address".to_owned());
+    }
     if is_url && text.len() <= URL_MAX {
         Ok(text.to_owned())
     } else {
@@ -193,6 +195,7 @@ mod tests {
             "file:///etc/passwd",
             "http://a/\"onclick=",
             "http://ü.example/",
+            "http://rover.local:8017/?token=0123",
         ] {
             assert!(page_url(url).is_err(), "{url:?}");
         }

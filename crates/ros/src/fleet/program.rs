@@ -97,11 +97,11 @@ impl Fleet {
                 print(&format!("saved {}, {bytes} bytes\n", path.display()))
             }
             None if self.json => {
-                print_lines(&Listening::start(config), self.until_stdin_ends);
+                print_lines(&Listening::start(config, true), self.until_stdin_ends);
                 Ok(())
             }
-            None if self.once || !screen::is_there() => once(&Listening::start(config)),
-            None => screen::show(&Listening::start(config)),
+            None if self.once || !screen::is_there() => once(&Listening::start(config, true)),
+            None => screen::show(&Listening::start(config, false)),
         }
     }
 }

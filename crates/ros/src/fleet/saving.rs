@@ -16,15 +16,18 @@ use zenoh::{
 
 use super::{
     names::{RobotName, is_file},
-    sessions::{FILES_MAX, PIECE_MAX, SessionFile},
+    sessions::{FILES_MAX, LIST_MAX, PIECE_MAX, SessionFile},
 };
 
-/// A piece takes 8 s at 1 Mbit/s.
+/// A list takes 8 s at 1 Mbit/s.
 const ANSWER_MAX: Duration = Duration::from_secs(20);
+
+/// `motorlink serve --log` begins a new file at 64 MB. A person may record for longer.
+const FILE_MAX: u64 = 4_000_000_000;
 
 /// The session files of a robot, by name.
 pub fn list(session: &Session, robot: &RobotName) -> Result<Vec<SessionFile>> {
-    let bytes = ask(session, robot, &robot.sessions_key())?;
+    let bytes = ask(session, robot, &robot.sessions_key(), LIST_MAX)?;
     let files: Option<Vec<SessionFile>> = serde_json::from_slice(&bytes).ok();
     let files = files
         .filter(|files| files.len() <= FILES_MAX && files.iter().all(|file| is_file(&file.name)));
@@ -47,16 +50,24 @@ pub fn save(
     let size = listed
         .with_context(|| format!("{robot} has no session {file}"))?
         .bytes;
+    ensure!(
+        size <= FILE_MAX,
+        "{file} has {size} bytes: no session file is so long"
+    );
     let folder = to.parent().filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));
-    // A half file has another name, and goes with the program.
+    // A half file has another name.
     let mut half =
         NamedTempFile::new_in(folder).with_context(|| format!("{}", folder.display()))?;
     let mut from = 0;
     while from < size {
         let key = format!("{}/{file}?from={from}", robot.sessions_key());
-        let mut piece = ask(session, robot, &key)?;
-        ensure!(!piece.is_empty(), "{robot} has {from} bytes of {size} only");
+        let mut piece = ask(session, robot, &key, PIECE_MAX)?;
+        let rest = PIECE_MAX.min(size - from);
+        ensure!(
+            u64::try_from(piece.len())? >= rest,
+            "{robot} has less than {size} bytes of {file}"
+        );
         // It may grow meanwhile.
         piece.truncate(usize::try_from(size - from).unwrap_or(usize::MAX));
         half.write_all(&piece).context("not written")?;
@@ -70,7 +81,7 @@ pub fn save(
 }
 
 /// The answer of the only robot with this name.
-fn ask(session: &Session, robot: &RobotName, question: &str) -> Result<Vec<u8>> {
+fn ask(session: &Session, robot: &RobotName, question: &str, most: u64) -> Result<Vec<u8>> {
     let answers = session
         .get(question)
         .target(QueryTarget::All)
@@ -87,7 +98,7 @@ fn ask(session: &Session, robot: &RobotName, question: &str) -> Result<Vec<u8>> 
             .map_err(|error| anyhow!("{robot}: {}", plain(&error.payload().to_bytes())))?;
         let bytes = sample.payload().to_bytes().into_owned();
         ensure!(
-            u64::try_from(bytes.len())? <= PIECE_MAX,
+            u64::try_from(bytes.len())? <= most,
             "{robot} sends too much"
         );
         if answer.replace(bytes).is_some() {

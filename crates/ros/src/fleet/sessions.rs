@@ -19,8 +19,10 @@ use zenoh::{
 
 use super::names::{RobotName, is_file};
 
-/// Bytes of an answer.
-pub const PIECE_MAX: u64 = 1_000_000;
+/// Bytes of an answer with a piece: on a slow network, `cmd_vel` waits behind no more.
+pub const PIECE_MAX: u64 = 65_536;
+/// Bytes of an answer with a list.
+pub const LIST_MAX: u64 = 1_000_000;
 /// Files in a list, which fits into an answer. `motorlink serve --log` keeps fewer.
 pub const FILES_MAX: usize = 2_000;
 /// Questions that wait. More get no answer.

@@ -128,8 +128,8 @@ const fn is_false(value: &bool) -> bool {
 }
 
 /// Whether a terminal shows it and does nothing else.
-fn is_plain(char: char) -> bool {
-    char.is_alphanumeric() || char.is_ascii_graphic()
+const fn is_plain(char: char) -> bool {
+    char.is_ascii_graphic()
 }
 
 /// What the state of a robot is made of.
@@ -156,13 +156,11 @@ impl RobotState {
             .iter()
             .map(|wheel| RobotMotor::new(wheel, sources))
             .collect();
-        let levels = motors.iter().map(|motor| motor.status().level());
-        let level = levels.fold(drive.level(), Ord::max);
         Self {
             format: FORMAT,
             session: session.to_owned(),
             number,
-            level: level.into(),
+            level: Level::Ok,
             drive: Drive {
                 is: drive.phase,
                 why: drive.why,
@@ -176,6 +174,15 @@ impl RobotState {
             page,
             motors,
         }
+        .judged()
+    }
+
+    /// With the level that its drive and its motors show, unless it says a worse one.
+    fn judged(mut self) -> Self {
+        let levels = self.motors.iter().map(|motor| motor.status().level());
+        let level = levels.fold(self.drive().level(), Ord::max);
+        self.level = self.level.max(level.into());
+        self
     }
 
     /// As JSON.
@@ -197,7 +204,7 @@ impl RobotState {
             && state.page.as_ref().is_none_or(|url| page_url(url).is_ok())
             && state.motors.len() <= motorlink_controller_messages::MOTORS_MAX
             && state.motors.iter().all(RobotMotor::is_valid);
-        is_valid.then_some(state)
+        is_valid.then(|| state.judged())
     }
 
     /// How the drive is.
@@ -317,8 +324,10 @@ impl RobotMotor {
     }
 
     fn status(&self) -> MotorStatus {
-        let motor = self.activity.map(|activity| Motor {
-            activity,
+        // An activity of a later version is not known, and yet the motor has replied.
+        let has_replied = self.activity.is_some() || self.reply_age_ms.is_some();
+        let motor = has_replied.then(|| Motor {
+            activity: self.activity.unwrap_or_default(),
             is_silent: self.silent,
             may_turn: self.may_turn,
             turns_unasked: self.turns_unasked,

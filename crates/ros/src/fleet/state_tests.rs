@@ -12,11 +12,11 @@ pub(in crate::fleet) fn json(session: &str) -> String {
     format!(
         concat!(
             r#"{{"format":1,"session":"{}","number":7,"level":"ok","#,
-            r#""drive":{{"is":"stopped","why":"page_has_control","must_rest":true}},"#,
+            r#""drive":{{"is":"stopped","why":"page_has_control","must_rest":false}},"#,
             r#""control":{{"by":"page","number":3}},"#,
             r#""link":{{"connected":true,"port_open":true}},"page":"http://rover.local:8055/","#,
-            r#""motors":[{{"id":1,"joint":"left_wheel_joint","activity":"idle","silent":true,"#,
-            r#""may_turn":true,"turns_unasked":true,"faults":16,"rpm":99.8,"current_a":0.31,"#,
+            r#""motors":[{{"id":1,"joint":"left_wheel_joint","activity":"idle","#,
+            r#""faults":0,"rpm":99.8,"current_a":0.31,"#,
             r#""temperature_c":28.0,"reply_age_ms":4}}]}}"#
         ),
         session
@@ -38,11 +38,36 @@ fn a_state_is_written_as_it_was_read() {
     assert_eq!(String::from_utf8(state.write()).unwrap(), json("a1"));
     assert_eq!(state.driven_by(), "page 3");
     assert_eq!(state.hottest(), Some(28.0));
-    assert_eq!(state.worst_motor(), Some((1, MotorStatus::Silent)));
-    assert_eq!(
-        state.drive().to_string(),
-        "stopped: a page has control. Drives again after cmd_vel has rested for 2 s"
-    );
+    assert_eq!(state.worst_motor(), None);
+    assert_eq!(state.drive().to_string(), "stopped: a page has control");
+}
+
+/// Also of a robot that says it is fine.
+#[test]
+fn the_level_is_no_better_than_what_the_state_shows() {
+    for (part, shows, level) in [
+        (r#""faults":0"#, r#""faults":16"#, Level::Error),
+        (r#""faults":0"#, r#""silent":true,"faults":0"#, Level::Error),
+        (
+            r#""faults":0"#,
+            r#""turns_unasked":true,"faults":0"#,
+            Level::Warning,
+        ),
+        (
+            r#""must_rest":false"#,
+            r#""must_rest":true"#,
+            Level::Warning,
+        ),
+        ("stopped", "not_confirmed", Level::Error),
+        (r#""level":"ok""#, r#""level":"error""#, Level::Error),
+    ] {
+        let text = json("a1").replacen(part, shows, 1);
+        assert_eq!(
+            RobotState::read(text.as_bytes()).unwrap().level,
+            level,
+            "{text}"
+        );
+    }
 }
 
 #[test]
@@ -53,6 +78,31 @@ fn a_word_of_a_later_version_is_not_known() {
         .replace(r#""number":7"#, r#""number":7,"later":1"#);
     let state = RobotState::read(later.as_bytes()).unwrap();
     assert_eq!((state.drive.why, state.motors[0].activity), (None, None));
+    assert_eq!(state.level, Level::Ok, "the motor has replied");
+}
+
+/// The page of `motorlink serve --fleet` has a text for each word that a state may have.
+#[test]
+fn the_page_knows_every_word() {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../remote-server/src/fleet/words.json"
+    );
+    let words: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let phases = [
+        Phase::Drives,
+        Phase::DrivenByOther,
+        Phase::Starting,
+        Phase::Stopping,
+        Phase::Stopped,
+        Phase::NotConfirmed,
+    ];
+    let phases = phases.map(|phase| serde_json::to_value(phase).unwrap());
+    let texts = phases.iter().filter_map(serde_json::Value::as_str);
+    for word in texts.chain(crate::fleet::words::all_whys()) {
+        assert!(words["en"][word].is_string(), "{word}");
+    }
 }
 
 #[test]

@@ -22,7 +22,9 @@ pub fn head(rows: &[Row], ignored: u64, has_router: bool) -> String {
     let count = |is: fn(&Row) -> bool| rows.iter().filter(|row| is(row)).count();
     let drives = count(|row| {
         let state = row.state.as_ref();
-        state.is_some_and(|state| state.drive().phase == Phase::Drives)
+        state.is_some_and(|state| {
+            matches!(state.drive().phase, Phase::Drives | Phase::DrivenByOther)
+        })
     });
     let problems = count(|row| matches!(row.rank(), Rank::Error | Rank::Warning));
     let not_heard = count(|row| !row.heard);
@@ -43,7 +45,10 @@ pub fn cells(row: &Row) -> [String; 6] {
     let Some(state) = &row.state else {
         let since = row.age_ms.map_or_else(
             || "not heard".to_owned(),
-            |age| format!("NOT HEARD for {}.{} s", age / 1_000, age % 1_000 / 100),
+            |age| match age {
+                ..1_000 => "NOT HEARD: it has gone".to_owned(),
+                age => format!("NOT HEARD for {}.{} s", age / 1_000, age % 1_000 / 100),
+            },
         );
         let empty = String::new;
         return [row.name.clone(), since, empty(), empty(), empty(), empty()];
@@ -110,7 +115,7 @@ mod tests {
             heard: state.is_some(),
             state: state.and_then(|text| RobotState::read(text.as_bytes())),
         };
-        let error = json("a1").replace(r#""level":"ok""#, r#""level":"error""#);
+        let error = json("a1").replace(r#""faults":0"#, r#""silent":true"#);
         let text = plain(&[row(None), row(Some(error))], 3, false);
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(
@@ -118,9 +123,8 @@ mod tests {
             "2 robots, 0 driving, 1 with problems, 1 not heard, 3 messages ignored, NO ROUTER"
         );
         assert_eq!(lines[2], "rover-1  NOT HEARD for 1.2 s");
-        let expected = "rover-1  ERROR stopped: a page has control. Drives again after cmd_vel has \
-                        rested for 2 s  page 3     28 °C    1: no reply for 2 s  \
-                        http://rover.local:8055/";
+        let expected = "rover-1  ERROR stopped: a page has control  page 3     28 °C    \
+                        1: no reply for 2 s  http://rover.local:8055/";
         assert_eq!(lines[3], expected);
     }
 }

@@ -37,6 +37,12 @@ const WHYS: [(&str, Why); 26] = [
     ("frozen", Why::Frozen),
 ];
 
+/// Every reason why a robot does not drive.
+#[cfg(test)]
+pub(super) fn all_whys() -> impl Iterator<Item = &'static str> {
+    WHYS.iter().map(|(word, _)| *word)
+}
+
 const ACTIVITIES: [(&str, Activity); 5] = [
     ("idle", Activity::Idle),
     ("driven", Activity::Driven),
