@@ -94,7 +94,7 @@ impl DriveStatus {
     }
 
     /// Whether it was stopped by a person or because something failed: it may not be left alone.
-    const fn is_held(&self) -> bool {
+    const fn is_held(self) -> bool {
         match self.why {
             None
             | Some(
@@ -110,7 +110,7 @@ impl DriveStatus {
 
     /// How bad it is.
     #[must_use]
-    pub const fn level(&self) -> Level {
+    pub const fn level(self) -> Level {
         match (self.link, self.phase) {
             (Link::NoConnection | Link::NoPort, _) | (_, Phase::NotConfirmed) => Level::Error,
             (_, Phase::Stopped) if self.must_rest || self.is_held() => Level::Warning,
