@@ -32,7 +32,9 @@ const state_of = ({ heard, age_ms, state }) => {
   if (!connected) return word("no_connection");
   if (port_open === false) return word("no_port");
   const { is, why, must_rest } = state.drive;
-  const first = why ? `${word(is)}: ${word(why)}` : word(is);
+  // Why it does not drive says nothing while others drive it.
+  const has_reason = is === "stopped" || is === "not_confirmed";
+  const first = has_reason && why ? `${word(is)}: ${word(why)}` : word(is);
   return must_rest && is === "stopped" ? `${first}. ${word("must_rest")}` : first;
 };
 
