@@ -65,8 +65,17 @@ impl Bench {
 
     /// The speed of motor 1, as it is.
     fn rpm(&mut self) -> f64 {
-        let state = self.motors.command("state 1");
-        let (_, rest) = state.split_once("rpm=").expect(&state);
+        self.value(1, "rpm=")
+    }
+
+    /// The angle of a wheel as it is, in degrees.
+    pub fn angle(&mut self, id: u8) -> f64 {
+        self.value(id, "angle=")
+    }
+
+    fn value(&mut self, id: u8, name: &str) -> f64 {
+        let state = self.motors.command(&format!("state {id}"));
+        let (_, rest) = state.split_once(name).expect(&state);
         rest.split(' ').next().unwrap().parse().unwrap()
     }
 
