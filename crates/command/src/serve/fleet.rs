@@ -68,6 +68,9 @@ fn started(router: &str) -> Result<Child, Failure> {
         program.args(["--connect", router]);
     }
     program.stdin(Stdio::piped()).stdout(Stdio::piped());
+    // Ctrl-C is for the server, which ends the program.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut program, 0);
     program.spawn().map_err(fleet::not_started)
 }
 
