@@ -249,9 +249,12 @@ impl RobotState {
         all.reduce(f32::max)
     }
 
-    /// What is wrong with the worst motor, if anything is.
+    /// What is wrong with the worst motor, if anything is. Without a connection, nothing is known of any.
     #[must_use]
     pub fn worst_motor(&self) -> Option<(u8, MotorStatus)> {
+        if !self.link.connected {
+            return None;
+        }
         let all = self.motors.iter().map(|motor| (motor.id, motor.status()));
         let worst = all.max_by_key(|(_, status)| Level::from(status.level()))?;
         (worst.1.level() > status::Level::Ok).then_some(worst)

@@ -39,6 +39,11 @@ fn a_state_is_written_as_it_was_read() {
     assert_eq!(state.driven_by(), "page 3");
     assert_eq!(state.hottest(), Some(28.0));
     assert_eq!(state.worst_motor(), None);
+    let silent = json("a1").replacen(r#""faults":0"#, r#""silent":true"#, 1);
+    let worst = |text: &str| RobotState::read(text.as_bytes()).unwrap().worst_motor();
+    assert_eq!(worst(&silent), Some((1, MotorStatus::Silent)));
+    let cut_off = silent.replace(r#""connected":true"#, r#""connected":false"#);
+    assert_eq!(worst(&cut_off), None);
     assert_eq!(state.drive().to_string(), "stopped: a page has control");
 }
 
