@@ -19,6 +19,7 @@ mod program;
 mod replay;
 mod ros2_files;
 mod ros2_plugin;
+mod ros2_positions;
 mod serial_port;
 mod serve;
 mod session_files;

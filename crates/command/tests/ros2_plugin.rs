@@ -2,7 +2,6 @@
 //! `ros2_control`, drive virtual motors through a server.
 
 use std::{
-    env,
     io::{BufRead, BufReader, Write},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
@@ -26,14 +25,14 @@ use crate::{
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The test program with the API of Humble, and with that of later versions.
-struct Programs {
-    humble: PathBuf,
+pub struct Programs {
+    pub humble: PathBuf,
     later: PathBuf,
     _folder: tempfile::TempDir,
 }
 
 /// Compiled once, before anything is driven: a compiler delays what has 100 ms.
-fn programs() -> &'static Programs {
+pub fn programs() -> &'static Programs {
     static PROGRAMS: OnceLock<Programs> = OnceLock::new();
     PROGRAMS.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
@@ -71,14 +70,14 @@ fn compiled(dir: &Path, name: &str, stubs: &[&str]) -> PathBuf {
 }
 
 /// The test program, which plays the controller manager.
-struct Manager {
+pub struct Manager {
     child: Child,
     stdin: ChildStdin,
     lines: Receiver<String>,
 }
 
 impl Manager {
-    fn start(program: &Path, socket: &Path) -> Self {
+    pub fn start(program: &Path, socket: &Path) -> Self {
         let mut child = Command::new(program)
             .arg(socket)
             .stdin(Stdio::piped())
@@ -101,7 +100,7 @@ impl Manager {
     }
 
     /// The next line that begins so, and those before it.
-    fn until(&self, start: &str) -> (String, Vec<String>) {
+    pub fn until(&self, start: &str) -> (String, Vec<String>) {
         let (began, mut said) = (Instant::now(), Vec::new());
         loop {
             let left = PATIENCE.saturating_sub(began.elapsed());
@@ -119,13 +118,13 @@ impl Manager {
     }
 
     /// Gives a command, and returns what is said before its answer.
-    fn does(&mut self, command: &str, answer: &str) -> Vec<String> {
+    pub fn does(&mut self, command: &str, answer: &str) -> Vec<String> {
         self.tell(command);
         self.until(answer).1
     }
 
     /// Values of a joint.
-    fn state(&mut self) -> impl Fn(&str) -> f64 + use<> {
+    pub fn state(&mut self) -> impl Fn(&str) -> f64 + use<> {
         self.tell("state");
         let (line, said) = self.until("state");
         assert!(said.is_empty(), "{said:?}");
@@ -219,87 +218,6 @@ fn drive_and_stop() {
     manager.does("shutdown", "shutdown success");
     assert!(bench.stands());
     served.end();
-}
-
-/// `MOTORLINK_DRIVE_SECONDS=600 cargo test -p motorlink-command --test command positions_stay -- --nocapture` drives for ten
-/// minutes.
-#[test]
-fn positions_stay_those_of_the_wheels() {
-    attempts(compare_positions);
-}
-
-fn compare_positions() {
-    let seconds = env::var("MOTORLINK_DRIVE_SECONDS").map_or(6, |text| text.parse().unwrap());
-    let mut bench = Bench::new(&["--ids", "1,2"]);
-    let served = Served::start(&bench);
-    let mut manager = Manager::start(&programs().humble, &served.socket);
-    manager.until("configured");
-    manager.does("activate", "activate success");
-    let joints = |manager: &mut Manager| {
-        let state = manager.state();
-        ["left/position", "right/position"].map(|name| state(name).to_degrees())
-    };
-    let before = joints(&mut manager);
-    let mut wheels = Wheels::new(&mut bench);
-    let speeds = ["10 10", "-6 -8", "15 -15", "0 3", "-12 12"];
-    for (number, speeds) in speeds.iter().cycle().enumerate() {
-        if number >= seconds {
-            break;
-        }
-        manager.does(&format!("set {speeds}"), "set");
-        wheels.follow(&mut bench, Duration::from_secs(1));
-    }
-    manager.does("set 0 0", "set");
-    wheels.follow(&mut bench, Duration::from_millis(1_500));
-    let after = joints(&mut manager);
-    let turned = [0, 1].map(|wheel| after[wheel] - before[wheel]);
-    let errors = [0, 1].map(|wheel| (turned[wheel] - wheels.turned[wheel]).abs());
-    println!(
-        "after {seconds} s and {turned:.1?} degrees, the positions differ by {errors:.3?} degrees"
-    );
-    assert!(
-        turned.iter().all(|turned| turned.abs() > 90.0),
-        "{turned:?}"
-    );
-    assert!(errors.iter().all(|error| *error <= 0.5), "{errors:?}");
-    manager.does("shutdown", "shutdown success");
-    served.end();
-}
-
-/// What the virtual wheels themselves have turned, in the directions of the joints, in degrees.
-struct Wheels {
-    angles: [f64; 2],
-    turned: [f64; 2],
-}
-
-impl Wheels {
-    fn new(bench: &mut Bench) -> Self {
-        Self {
-            angles: [1, 2].map(|id| bench.angle(id)),
-            turned: [0.0, 0.0],
-        }
-    }
-
-    fn follow(&mut self, bench: &mut Bench, time: Duration) {
-        let began = Instant::now();
-        let mut looked = began;
-        while began.elapsed() < time {
-            thread::sleep(Duration::from_millis(20));
-            for (wheel, id) in [1, 2].into_iter().enumerate() {
-                let angle = bench.angle(id);
-                let moved = (angle - self.angles[wheel] + 540.0).rem_euclid(360.0) - 180.0;
-                self.angles[wheel] = angle;
-                // The angle falls at positive speed, and the right motor is mirrored.
-                self.turned[wheel] += [-moved, moved][wheel];
-            }
-            // In half a turn, its direction is not known.
-            assert!(
-                looked.elapsed() < Duration::from_millis(180),
-                "the machine is too slow"
-            );
-            looked = Instant::now();
-        }
-    }
 }
 
 #[test]
