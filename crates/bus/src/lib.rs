@@ -13,7 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
-//! | open a port for the model of its motors | [`OpeningOrder`] |
+//! | learn the model of the motors on a port | [`Bus::detected_model`], [`DetectedModel`] |
 //! | know a recorded line | [`LineSamples`], [`TurnCounter`], [`CommandedValue`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
@@ -30,6 +30,7 @@ mod command;
 mod command_kind;
 mod commanded;
 mod counters;
+mod detected_model;
 mod dispatch;
 mod driving;
 mod event;
@@ -50,12 +51,10 @@ mod line_use;
 mod mirror;
 mod mode_switch;
 mod model;
-mod model_search;
 mod motor;
 mod motor_status;
 mod next_request;
 mod opening;
-mod opening_order;
 mod other_bytes;
 mod packet_log;
 mod pending_transmit;
@@ -97,6 +96,7 @@ pub use command::{COMMAND_AGE_MAX, Command, Consent};
 pub use command_kind::CommandKind;
 pub use commanded::{CommandedValue, commanded, commanded_setpoint};
 pub use counters::{Counters, LinkQuality};
+pub use detected_model::DetectedModel;
 pub use driving::is_rest;
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
 pub use group::setpoints::{GroupError, GroupSetpoints};
@@ -109,9 +109,7 @@ pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_samples::{LineSamples, reported_current};
 pub use line_use::LineStatus;
 pub use mirror::Mirror;
-pub use model_search::DetectedModel;
 pub use motor_status::{Activity, MotorStatus};
-pub use opening_order::{Awaited, LeftMotors, OpeningOrder, PortTrial};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};

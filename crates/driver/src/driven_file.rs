@@ -25,7 +25,7 @@ pub struct DrivenFile {
     store: Option<Box<dyn Store>>,
     written: NamedInFile,
     /// What was left driven and is on no bus now.
-    carried: Option<LeftBehind>,
+    pub(crate) left: LeftBehind,
 }
 
 /// Why there is no file.
@@ -44,7 +44,7 @@ impl DrivenFile {
         Self {
             store: None,
             written: NamedInFile::default(),
-            carried: None,
+            left: LeftBehind::default(),
         }
     }
 
@@ -56,32 +56,7 @@ impl DrivenFile {
         Self {
             store: Some(store),
             written: NamedInFile::default(),
-            carried: left.filter(|left| !left.motors.is_empty()),
-        }
-    }
-
-    /// The model of the motors that were left driven and are on no bus now.
-    pub(crate) fn left_model(&self) -> Option<Model> {
-        self.carried.as_ref().map(|left| left.model)
-    }
-
-    /// Takes the motors that were left driven: from now on a bus has them.
-    pub(crate) fn take_left(&mut self) -> Vec<LeftDriven> {
-        self.carried
-            .take()
-            .map_or_else(Vec::new, |left| left.motors)
-    }
-
-    /// A bus has ended and left these motors driven.
-    pub(crate) fn carry(&mut self, left: LeftBehind) {
-        match &mut self.carried {
-            _ if left.motors.is_empty() => {}
-            Some(carried) => {
-                // The newer bus knows the line better.
-                carried.model = left.model;
-                carried.add(left.motors);
-            }
-            None => self.carried = Some(left),
+            left: left.unwrap_or_default(),
         }
     }
 
@@ -99,22 +74,12 @@ impl DrivenFile {
         let Self {
             store,
             written,
-            carried,
+            left,
         } = self;
-        let carried = carried.as_ref();
-        let model = match carried {
-            Some(left) if driven().next().is_none() => left.model,
-            _ => model,
-        };
-        let of_carried = || carried.iter().flat_map(|left| left.motors.iter().copied());
-        written.update(
-            model,
-            || driven().chain(of_carried()),
-            |left| match store {
-                None => true,
-                Some(store) => store.write(&left.to_file()).is_ok(),
-            },
-        )
+        written.update(model, driven, left, |left| match store {
+            None => true,
+            Some(store) => store.write(&left.to_file()).is_ok(),
+        })
     }
 }
 
@@ -146,7 +111,7 @@ mod tests {
         let driven = left(&[1, 7]);
         let open = || open(folder.path(), "/dev/ttyUSB0").unwrap();
         let mut file = open();
-        assert_eq!(file.left_model(), None);
+        assert_eq!(file.left.model_of_motors(), None);
         assert!(file.remember(Model::Ddsm210, || driven.iter().copied()));
         drop(file);
 
@@ -156,11 +121,11 @@ mod tests {
         drop(file);
 
         let mut file = open();
-        assert_eq!(file.left_model(), Some(Model::Ddsm210));
-        assert_eq!(file.take_left(), driven);
+        assert_eq!(file.left.model_of_motors(), Some(Model::Ddsm210));
+        assert_eq!(file.left.take(), driven);
         assert!(file.remember(Model::Ddsm210, || [].into_iter()));
         drop(file);
-        assert_eq!(open().left_model(), None);
+        assert_eq!(open().left.model_of_motors(), None);
     }
 
     #[test]

@@ -49,7 +49,7 @@ impl<C: Computer> Owner<C> {
         let Some(mut host) = self.host.take() else {
             // No line is left. The next driver stops what the file names.
             if let Some(left) = self.file.written() {
-                self.file.carry(left);
+                self.file.left.carry(left);
             }
             return;
         };

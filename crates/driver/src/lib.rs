@@ -15,7 +15,6 @@
 
 mod clock;
 mod computer;
-mod detection;
 mod driven_file;
 mod driver;
 mod ending;

@@ -1,9 +1,10 @@
-//! Opens the line, and opens it again after a loss.
+//! Opens the line for the model of its motors, stops first what was left driven on it, and opens it again after a loss.
 
 use std::time::Duration;
 
-use motorlink_bus::LeftMotors;
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_bus::Bus;
+use motorlink_opening::{IfNoReply, Opening, Step};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use motorlink_simulator::World;
 
@@ -89,6 +90,71 @@ impl<C: Computer> Owner<C> {
         self.open_serial(&path)
     }
 
+    /// Opens the serial port at `path` for the model of its motors: the one that was left driven, the one that was asked
+    /// for, or the one that answers.
+    fn open_serial(&mut self, path: &str) -> Result<(), OpenFailure> {
+        if self.choice.detect
+            && let Some(left) = self.file.left.model_of_motors()
+        {
+            self.choice.model = left;
+        }
+        let mut opening = Opening::new(1, MotorId::FIRST, self.choice, IfNoReply::TakeFirst);
+        loop {
+            let now = self.computer.now();
+            let bus = self.host.as_mut().map(|host| &mut host.bus);
+            let step = opening.step(now, bus, &mut self.file.left);
+            self.choice = opening.choice();
+            match step {
+                // The file of this adapter is open, and no other program has it.
+                Step::Claim(_) => {}
+                Step::Open(_, model) => {
+                    self.number += 1;
+                    let line = self.computer.open_line(path, model, self.number)?;
+                    let now = self.computer.now();
+                    let mut bus = self.new_bus(now, model).after_another(now).on_trial();
+                    opening.opened(now, &mut bus, &mut self.file.left, true);
+                    self.host = Some(Host {
+                        bus,
+                        line,
+                        has_queried: !self.asks_for_id(),
+                    });
+                }
+                Step::Close => self.close_line(),
+                Step::Wait => self.run_on_trial()?,
+                Step::Done | Step::Failed => return Ok(()),
+            }
+        }
+    }
+
+    /// Runs the port on trial for a moment.
+    fn run_on_trial(&mut self) -> Result<(), OpenFailure> {
+        let wake = self.turn();
+        let now = self.computer.now();
+        let Some(host) = &self.host else {
+            return Err(OpenFailure::Lost);
+        };
+        if self.stage.is_ending() && !host.bus.is_active(now) {
+            return Err(OpenFailure::Ended);
+        }
+        self.take_inputs(wake.min(now + Opening::STEP));
+        Ok(())
+    }
+
+    /// Whether the ID query is sent. Several motors would reply to it at once.
+    fn asks_for_id(&self) -> bool {
+        self.watched.len() < 2
+    }
+
+    /// A bus on which nothing drives, with what the program has set.
+    pub(crate) fn new_bus(&self, now: Instant, model: Model) -> Bus {
+        let mut bus = Bus::with_model(now, model);
+        if self.is_halted {
+            bus = bus.into_halted();
+        }
+        let watched = self.watched.iter().copied();
+        bus.prepared(now, self.settings, self.asks_for_id(), watched)
+    }
+
     /// The port is the right one: the bus may enable its motors.
     pub(crate) fn end_trial(&mut self) {
         let now = self.computer.now();
@@ -109,7 +175,7 @@ impl<C: Computer> Owner<C> {
         let now = self.computer.now();
         if let Some(host) = self.host.take() {
             let (last, left) = host.close(now);
-            self.file.carry(left);
+            self.file.left.carry(left);
             for event in last {
                 self.tell(now, Entry::Event(event));
             }
@@ -141,11 +207,7 @@ impl<C: Computer> Owner<C> {
         };
         // The program may not drive on a port that is tried.
         self.stage = Stage::OnTrial;
-        let model = self.file.left_model().or(self.asked_model);
-        let is_open = match model {
-            Some(model) => self.open_for(&path, model, LeftMotors::Stop).is_ok(),
-            None => self.open_serial(&path).is_ok(),
-        };
+        let is_open = self.open_serial(&path).is_ok();
         if is_open {
             self.end_trial();
         }

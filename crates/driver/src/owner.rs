@@ -7,8 +7,8 @@ use std::{
 };
 
 use motorlink_bus::{BusSettings, COMMAND_AGE_MAX, Command, Event, StopReport};
-use motorlink_messages::encode;
-use motorlink_protocol::{Instant, MotorId, family::Model};
+use motorlink_messages::{ModelChoice, encode};
+use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     computer::Computer,
@@ -47,8 +47,8 @@ impl Stage {
 /// The state of the thread.
 pub(crate) struct Owner<C> {
     pub(crate) computer: C,
-    /// The model that the program asks for; `None` is to find out.
-    pub(crate) asked_model: Option<Model>,
+    /// The model that the program asks for, or that was found last.
+    pub(crate) choice: ModelChoice,
     pub(crate) settings: BusSettings,
     pub(crate) watched: BTreeSet<MotorId>,
     tells_traffic: bool,
@@ -76,7 +76,10 @@ impl<C: Computer> Owner<C> {
     pub(crate) fn new(computer: C, options: &Options) -> Self {
         Self {
             computer,
-            asked_model: options.model,
+            choice: ModelChoice {
+                model: options.model.unwrap_or_default(),
+                detect: options.model.is_none(),
+            },
             settings: options.settings,
             watched: options.watch.iter().copied().collect(),
             tells_traffic: options.tells_traffic,
@@ -115,13 +118,14 @@ impl<C: Computer> Owner<C> {
             for event in last {
                 self.tell(now, Entry::Event(event));
             }
-            self.file.carry(left);
+            self.file.left.carry(left);
         }
         Ending {
             last_stop: self.last_stop,
             may_turn: self
                 .file
-                .take_left()
+                .left
+                .take()
                 .into_iter()
                 .map(|motor| motor.id)
                 .collect(),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{decode, encode};
 
 /// The motors that were driven over an adapter, and whose standstill no reply has confirmed since.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftBehind {
     /// Their model.
     pub model: Model,
@@ -36,6 +36,26 @@ impl LeftBehind {
         Self {
             model,
             motors: Vec::new(),
+        }
+    }
+
+    /// The model of its motors; `None` if there are none.
+    #[must_use]
+    pub fn model_of_motors(&self) -> Option<Model> {
+        (!self.motors.is_empty()).then_some(self.model)
+    }
+
+    /// Takes the motors: from now on a bus has them.
+    pub fn take(&mut self) -> Vec<LeftDriven> {
+        std::mem::take(&mut self.motors)
+    }
+
+    /// Adds what another bus has left driven.
+    pub fn carry(&mut self, newer: Self) {
+        if let Some(model) = newer.model_of_motors() {
+            // The newer bus knows the line better.
+            self.model = model;
+            self.add(newer.motors);
         }
     }
 
@@ -82,7 +102,7 @@ impl LeftBehind {
     }
 
     /// Adds motors that are not among these.
-    pub fn add(&mut self, others: impl IntoIterator<Item = LeftDriven>) {
+    fn add(&mut self, others: impl IntoIterator<Item = LeftDriven>) {
         for other in others {
             match self.motors.iter_mut().find(|motor| motor.id == other.id) {
                 // In one of several loops: not known.
@@ -105,22 +125,26 @@ impl NamedInFile {
         self.0.as_ref()
     }
 
-    /// Writes the motors that are driven now, if they have changed. Returns false if the file does not take them; that is
-    /// tried again when they change.
+    /// Writes the motors that are driven now and those that were `left` driven, if they have changed. Returns false if the
+    /// file does not take them; that is tried again when they change.
     pub fn update<I: Iterator<Item = LeftDriven>>(
         &mut self,
         model: Model,
         driven: impl Fn() -> I,
+        left: &LeftBehind,
         write: impl FnOnce(&LeftBehind) -> bool,
     ) -> bool {
+        let all = || driven().chain(left.motors.iter().copied());
+        let of_left = left.model_of_motors().filter(|_| driven().next().is_none());
+        let model = of_left.unwrap_or(model);
         // Asked with every frame: it allocates nothing while nothing changes.
         let is_written = |written: &LeftBehind| {
-            written.model == model && written.motors.iter().copied().eq(driven())
+            written.model == model && written.motors.iter().copied().eq(all())
         };
         if self.0.as_ref().is_some_and(is_written) {
             return true;
         }
-        let motors = driven().collect();
+        let motors = all().collect();
         write(self.0.insert(LeftBehind { model, motors }))
     }
 }

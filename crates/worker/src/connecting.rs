@@ -1,31 +1,27 @@
 //! Opening, trying and reopening ports.
 //!
 //! The browser cannot tell two adapters of the same model apart, and their order changes after a
-//! replug. So the worker opens one candidate after the other until the wanted motor replies. Nothing
-//! drives meanwhile.
+//! replug. So the worker opens one candidate after the other; [`Opening`] says which, and for which model. Nothing drives
+//! meanwhile.
 
 use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use motorlink_bus::{
-    Awaited, Bus, Command, DetectedModel, LeftDriven, LeftMotors, OpeningOrder, Refusal, StopReason,
-};
+use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::{
-    Adapter, ConnectError, LeftBehind, ModelChoice, Notice, PortRef, ToWorker, VirtualLine,
+    Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
 };
+use motorlink_opening::{IfNoReply, Opening, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
-    asks_again::AsksAgain,
     claim::{claim, release_claim},
     driven_file::DrivenFile,
     line::Line,
-    line_errors::LineErrors,
     port_owner::{PortOwner, Shared},
     port_state::{AfterClosing, OpenPort, PortState, Stage},
-    serial::{self, ReadEnd, ReadEvent, SerialLine, SharedInFlight},
-    trial::{Superseded, awaited, left_motor_turns, wanted_motor_replies},
+    serial::{self, ReadEnd, ReadEvent, SharedInFlight},
 };
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
@@ -86,7 +82,7 @@ fn close(shared: &Shared, then: AfterClosing) {
                     let usb = candidates.first().and_then(|port| port.usb);
                     let model = model.model;
                     let motors = left;
-                    owner.left.add(usb, LeftBehind { model, motors });
+                    owner.left.of(usb).carry(LeftBehind { model, motors });
                 }
                 open_serial(&shared, candidates, wanted).await;
             }
@@ -131,219 +127,104 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
     {
         let mut owner = shared.borrow_mut();
         let bus = owner.new_bus(line.model, Some(line));
-        let open = OpenPort {
-            line: Line::of_virtual(line),
-            bus,
-            stage: Stage::Settled,
-            reader: None,
-            id_query: None,
-            asks_again: AsksAgain::default(),
-            driven_file: DrivenFile::default(),
-            line_errors: LineErrors::default(),
-        };
+        let file = DrivenFile::default();
+        let open = OpenPort::new(Line::of_virtual(line), bus, Stage::Settled, file);
         owner.set_port(PortState::Open(Box::new(open)));
     }
     pump(shared);
-}
-
-/// What to do if the wanted motor replies on none of the candidates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum IfNoReply {
-    /// Use the first that opens: the user chose it or plugged it in.
-    TakeFirst,
-    /// Use none: another adapter of the same model is not the one that was lost.
-    KeepWaiting,
-}
-
-/// How a trial of a candidate treats the motors that an earlier connection left driven. They may be on another adapter of
-/// this make.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LeftHere {
-    /// It stops them at once if they can be on no other adapter; otherwise it asks them.
-    Find,
-    /// It stops them at once: all other adapters of this make were asked.
-    Stop,
-    /// It leaves them alone: they did not answer here.
-    Leave,
-}
-
-/// A port that is open on trial.
-#[derive(Clone, Copy, Debug)]
-struct Opened {
-    generation: u32,
-    /// What the worker finds out about the motors that were left driven.
-    left: LeftOnTrial,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LeftOnTrial {
-    /// There are none.
-    None,
-    /// They are being stopped.
-    Stopped,
-    /// They are only asked: they may be on another adapter of this make.
-    Asked,
 }
 
 /// An attempt to open a port.
 #[derive(Clone, Copy)]
 struct Attempt<'a> {
     shared: &'a Shared,
-    /// The motor that the page would like to find.
-    wanted: MotorId,
     /// The adapter that was unplugged, if this is a reconnect.
     lost: Option<Adapter>,
-    if_no_reply: IfNoReply,
-    /// Whether there is one candidate, which is taken whatever answers.
-    is_only: bool,
     began: Instant,
 }
+
+/// Another port state has begun meanwhile, so this task ends.
+struct Superseded;
 
 /// Opens the first candidate on which the wanted motor replies, or else the first that opens.
 pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
     let attempt = Attempt {
         shared,
-        wanted,
         lost: None,
-        if_no_reply: IfNoReply::TakeFirst,
-        is_only: candidates.len() < 2,
         began: shared.borrow().now(),
     };
-    if let Ok(Some(failure)) = attempt.open_any(candidates).await {
+    let failed = attempt.open_any(&candidates, wanted, IfNoReply::TakeFirst);
+    if let Ok(Some(failure)) = failed.await {
         begin(shared, PortState::Failed(failure));
         release_claim();
     }
 }
 
 impl Attempt<'_> {
-    /// Tries the candidates in turn. Returns the error if none is open at the end.
-    ///
-    /// Motors that were left driven are stopped first. Where several adapters are alike, all of them are asked which one
-    /// has a motor that turns, and nothing but queries goes out before that is known.
-    async fn open_any(self, candidates: Vec<PortRef>) -> Result<Option<ConnectError>, Superseded> {
-        let lost = self.lost;
-        let mut generation = begin(self.shared, PortState::Opening { lost });
-        let mut first_that_opens = None;
-        let mut first_that_fits = None;
+    /// Tries the candidates. Returns the error if none is open at the end.
+    async fn open_any(
+        self,
+        candidates: &[PortRef],
+        wanted: MotorId,
+        if_no_reply: IfNoReply,
+    ) -> Result<Option<ConnectError>, Superseded> {
+        let (shared, lost) = (self.shared, self.lost);
+        let mut generation = begin(shared, PortState::Opening { lost });
         let mut failure = ConnectError::PortGone;
-        let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
-        for candidate in candidates {
-            match self
-                .open_as_detected(generation, candidate, LeftHere::Find, self.is_only)
-                .await?
-            {
-                Err(error) => failure = error,
-                Ok(opened) => {
-                    generation = opened.generation;
-                    let asked = opened.left == LeftOnTrial::Asked;
-                    if asked && left_motor_turns(self.shared, generation).await? {
-                        self.stop_left();
-                        self.settle();
-                        return Ok(None);
-                    }
-                    let is_wanted = (self.is_only && !asked)
-                        || wanted_motor_replies(self.shared, generation, self.wanted).await?;
-                    if is_wanted && !asked {
-                        self.settle();
-                        return Ok(None);
-                    }
-                    first_that_opens.get_or_insert(candidate);
-                    if is_wanted {
-                        first_that_fits.get_or_insert(candidate);
-                    }
-                    generation = close_trial(self.shared, lost).await;
+        let choice = shared.borrow().model;
+        let mut opening = Opening::new(candidates.len(), wanted, choice, if_no_reply);
+        loop {
+            let candidate = candidates.get(opening.port());
+            let step = {
+                let mut owner = shared.borrow_mut();
+                if owner.generation != generation {
+                    return Err(Superseded);
                 }
-            }
-        }
-        let taken = first_that_fits.or(first_that_opens.filter(|_| takes_first));
-        if let Some(candidate) = taken {
-            let left = if first_that_fits.is_some() {
-                LeftHere::Stop
-            } else {
-                LeftHere::Leave
+                let now = owner.now();
+                let PortOwner { port, left, .. } = &mut *owner;
+                let bus = match port {
+                    PortState::Open(open) => Some(&mut open.bus),
+                    _ => None,
+                };
+                let usb = candidate.and_then(|port| port.usb);
+                let step = opening.step(now, bus, left.of(usb));
+                owner.model = opening.choice();
+                step
             };
-            match self
-                .open_as_detected(generation, candidate, left, true)
-                .await?
-            {
-                Ok(opened) => {
-                    if opened.left == LeftOnTrial::Asked
-                        && left_motor_turns(self.shared, opened.generation).await?
-                    {
-                        self.stop_left();
-                    }
+            let candidate = candidates.get(opening.port()).copied();
+            let done = match (step, candidate) {
+                (Step::Claim(_), Some(candidate)) => self.claim(generation, candidate).await?,
+                (Step::Open(_, model), Some(candidate)) => {
+                    let opened = self.open_one(generation, candidate, model, &mut opening);
+                    opened.await?.map(|opened| generation = opened)
+                }
+                (Step::Close, _) => {
+                    generation = close_trial(shared, lost).await;
+                    Ok(())
+                }
+                (Step::Wait, _) => {
+                    sleep(Opening::STEP).await;
+                    Ok(())
+                }
+                (Step::Done, _) => {
                     self.settle();
                     return Ok(None);
                 }
-                Err(error) => failure = error,
+                _ => return Ok(Some(failure)),
+            };
+            if let Err(error) = done {
+                failure = error;
+                opening.refused();
             }
         }
-        Ok(Some(failure))
     }
 
-    /// Opens one port on trial. If motors were left driven on an adapter of this make, it opens for their model, and they
-    /// are the first that are asked or stopped. Else it opens for the model that its motors answer as, if detection is on.
-    /// If it is off, or no motor answers, it opens for the model that the person has chosen. Left-driven motors of a like
-    /// model are then asked or stopped again if the port `stays_open`, or if they have answered by now.
-    async fn open_as_detected(
+    /// Claims the adapter, and learns what workers that have ended left driven on it.
+    async fn claim(
         self,
-        mut generation: u32,
+        generation: u32,
         candidate: PortRef,
-        left: LeftHere,
-        stays_open: bool,
-    ) -> Result<Result<Opened, ConnectError>, Superseded> {
-        let shared = self.shared;
-        if !self.claim(generation, candidate).await? {
-            return Ok(Err(ConnectError::OtherTab));
-        }
-        let left_model = || shared.borrow().left.model(candidate.usb);
-        let ModelChoice { model, detect } = shared.borrow().model;
-        let chosen = (!detect).then_some(model);
-        let mut order = OpeningOrder::new(left_model(), chosen, model);
-        if left == LeftHere::Leave && left_model().is_some() {
-            order.tried(None);
-        }
-        let mut has_answered = false;
-        loop {
-            let trial = order.trial();
-            let is_last = trial.awaits == Awaited::Nothing;
-            let here = match trial.left {
-                LeftMotors::Stop if !is_last => left,
-                LeftMotors::Stop
-                    if (has_answered || stays_open)
-                        && left_model().is_some_and(|left| left.is_like(trial.model)) =>
-                {
-                    LeftHere::Find
-                }
-                _ => LeftHere::Leave,
-            };
-            let opened = match self
-                .open_one(generation, candidate, trial.model, here)
-                .await?
-            {
-                Err(error) => return Ok(Err(error)),
-                Ok(opened) => opened,
-            };
-            // A reply does not tell one adapter from another: the caller finds out whether a motor turns.
-            let is_asked = opened.left == LeftOnTrial::Asked;
-            let found = if is_asked {
-                None
-            } else {
-                awaited(shared, opened.generation, trial.awaits).await?
-            };
-            has_answered = found == Some(DetectedModel::Own);
-            if has_answered || (is_asked && !is_last) {
-                shared.borrow_mut().model.model = trial.model;
-            }
-            if is_asked || order.tried(found) {
-                return Ok(Ok(opened));
-            }
-            generation = close_trial(shared, self.lost).await;
-        }
-    }
-
-    /// Claims the adapter, and learns what workers that have ended left driven on it. Returns false if other tabs have it.
-    async fn claim(self, generation: u32, candidate: PortRef) -> Result<bool, Superseded> {
+    ) -> Result<Result<(), ConnectError>, Superseded> {
         loop {
             let claimed = claim(candidate.place).await;
             {
@@ -352,36 +233,34 @@ impl Attempt<'_> {
                     return Err(Superseded);
                 }
                 if let Some(mut driven_file) = claimed {
-                    if let Some(found) = driven_file.take_found() {
-                        owner.left.add(candidate.usb, found);
-                    }
-                    return Ok(true);
+                    owner.left.of(candidate.usb).carry(driven_file.take_found());
+                    return Ok(Ok(()));
                 }
                 if owner.now().since(self.began) > CLAIM_WITHIN {
-                    return Ok(false);
+                    return Ok(Err(ConnectError::OtherTab));
                 }
             }
             sleep(CLAIM_PAUSE).await;
         }
     }
 
-    /// Opens one port on trial and starts reading it.
+    /// Opens one port on trial and starts reading it. Returns the number of its state.
     async fn open_one(
         self,
         generation: u32,
         candidate: PortRef,
         model: Model,
-        left: LeftHere,
-    ) -> Result<Result<Opened, ConnectError>, Superseded> {
+        opening: &mut Opening,
+    ) -> Result<Result<u32, ConnectError>, Superseded> {
         let shared = self.shared;
-        let opening = shared.borrow().now();
+        let begun = shared.borrow().now();
         let again = || {
             let owner = shared.borrow();
             let now = owner.now();
             // A port that this attempt has just closed needs a moment too, however long the attempt takes.
             owner.generation == generation
                 && (now.since(self.began) < serial::REOPEN_WITHIN
-                    || now.since(opening) < serial::JUST_CLOSED)
+                    || now.since(begun) < serial::JUST_CLOSED)
         };
         let (driven_file, opened) = match claim(candidate.place).await {
             Some(driven_file) => (driven_file, serial::open(candidate, model, again).await),
@@ -398,54 +277,19 @@ impl Attempt<'_> {
             Err(error) => return Ok(Err(error)),
         };
         let (port, in_flight) = (line.port(), line.in_flight());
-        let (bus, left) = self.new_bus(&line, model, left);
-        let open = OpenPort {
-            line: Line::Serial(line),
-            bus,
-            stage: Stage::OnTrial { lost: self.lost },
-            reader: None,
-            id_query: None,
-            asks_again: AsksAgain::default(),
-            driven_file,
-            line_errors: LineErrors::default(),
+        let bus = {
+            let mut owner = shared.borrow_mut();
+            let now = owner.now();
+            let mut bus = owner.new_bus(model, None).on_trial();
+            let is_only = owner.left.are_foreign(&line.others_of_make);
+            opening.opened(now, &mut bus, owner.left.of(line.usb()), is_only);
+            bus
         };
+        let stage = Stage::OnTrial { lost: self.lost };
+        let open = OpenPort::new(Line::Serial(line), bus, stage, driven_file);
         let generation = begin(shared, PortState::Open(Box::new(open)));
         spawn_local(read(Rc::clone(shared), generation, port, in_flight));
-        Ok(Ok(Opened { generation, left }))
-    }
-
-    /// The bus for a port on trial, with the stop of the motors that were left driven as its first act.
-    fn new_bus(self, line: &SerialLine, model: Model, how: LeftHere) -> (Bus, LeftOnTrial) {
-        let mut owner = self.shared.borrow_mut();
-        let now = owner.now();
-        let mut bus = owner.new_bus(model, None).on_trial();
-        let is_alone = || owner.left.are_foreign(&line.others_of_make);
-        let stops = match how {
-            LeftHere::Find => is_alone(),
-            LeftHere::Stop => true,
-            LeftHere::Leave => return (bus, LeftOnTrial::None),
-        };
-        let left = if stops {
-            bus.stop_first(now, owner.left.take(line.usb()));
-            LeftOnTrial::Stopped
-        } else {
-            for LeftDriven { id, .. } in owner.left.of(line.usb()) {
-                // Not refused while nothing drives.
-                let _: Result<(), Refusal> = bus.command(now, Command::Watch(id));
-            }
-            LeftOnTrial::Asked
-        };
-        (bus, left)
-    }
-
-    /// Stops the motors that were left driven: they answer on this port.
-    fn stop_left(self) {
-        let mut owner = self.shared.borrow_mut();
-        let now = owner.now();
-        let PortOwner { port, left, .. } = &mut *owner;
-        if let PortState::Open(open) = port {
-            open.bus.stop_first(now, left.take(open.usb()));
-        }
+        Ok(Ok(generation))
     }
 
     /// Ends the trial: the page may drive from now on, if the port is still open.
@@ -503,13 +347,11 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
             if !candidates.is_empty() {
                 let attempt = Attempt {
                     shared: &shared,
-                    wanted: shared.borrow().selected,
                     lost: Some(lost),
-                    if_no_reply,
-                    is_only: candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst,
                     began: shared.borrow().now(),
                 };
-                match attempt.open_any(candidates).await {
+                let wanted = shared.borrow().selected;
+                match attempt.open_any(&candidates, wanted, if_no_reply).await {
                     Ok(Some(_)) => _ = begin(&shared, PortState::Lost(lost)),
                     Ok(None) | Err(Superseded) => return,
                 }

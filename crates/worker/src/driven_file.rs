@@ -29,35 +29,31 @@ impl DrivenFile {
 
     /// What workers that have ended left driven on adapters of this make; asked once. What cannot be read is left out:
     /// its motors are asked like all others, and what turns is reported.
-    pub(crate) fn take_found(&mut self) -> Option<LeftBehind> {
-        let file = self.file.as_ref()?;
-        let found: Array = Reflect::get(file, &"found".into()).ok()?.dyn_into().ok()?;
-        let mut all: Option<LeftBehind> = None;
-        while found.length() > 0 {
+    pub(crate) fn take_found(&mut self) -> LeftBehind {
+        let found = self.file.as_ref().and_then(|file| {
+            let found = Reflect::get(file, &"found".into()).ok()?;
+            found.dyn_into::<Array>().ok()
+        });
+        let mut all = LeftBehind::default();
+        while let Some(found) = found.as_ref().filter(|found| found.length() > 0) {
             let bytes = Uint8Array::new(&found.pop()).to_vec();
-            let Ok(Some(left)) = LeftBehind::of_file(&bytes) else {
-                continue;
-            };
-            if left.motors.is_empty() {
-                continue;
-            }
-            match &mut all {
-                None => all = Some(left),
-                Some(all) => all.add(left.motors),
+            if let Ok(Some(left)) = LeftBehind::of_file(&bytes) {
+                all.carry(left);
             }
         }
         all
     }
 
-    /// Writes what is driven, if it has changed. Returns false if it cannot be remembered.
+    /// Writes what is driven and what was `left` driven, if it has changed. Returns false if it cannot be remembered.
     pub(crate) fn remember<I: Iterator<Item = LeftDriven>>(
         &mut self,
         model: Model,
         driven: impl Fn() -> I,
+        left: &LeftBehind,
     ) -> bool {
         let Self { file, written } = self;
-        written.update(model, driven, |left| {
-            write(file.as_ref(), &left.to_file()).is_some() || left.motors.is_empty()
+        written.update(model, driven, left, |all| {
+            write(file.as_ref(), &all.to_file()).is_some() || all.motors.is_empty()
         })
     }
 }

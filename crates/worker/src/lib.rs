@@ -59,7 +59,6 @@ mod serial;
 mod sessions;
 mod start;
 mod traffic;
-mod trial;
 mod turn_scheduler;
 
 use motorlink_messages::ToPage;

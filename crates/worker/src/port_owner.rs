@@ -120,7 +120,7 @@ impl PortOwner {
             if let Line::Serial(line) = &open.line {
                 let motors: Vec<_> = open.bus.left_driven().collect();
                 let model = open.bus.model();
-                self.left.add(line.usb(), LeftBehind { model, motors });
+                self.left.of(line.usb()).carry(LeftBehind { model, motors });
             }
         }
         (left, self.generation)
@@ -171,7 +171,7 @@ impl PortOwner {
                 let received = || line.take_received(now);
                 let output = self.runs.poll(now, bus, settings, received);
                 // Before the frame: a process that is killed behind it leaves a file that names the motor.
-                if !open.remember(&self.left) && !self.told_not_remembered {
+                if !open.remember(&mut self.left) && !self.told_not_remembered {
                     self.told_not_remembered = true;
                     self.outbox.notice(Notice::NotRemembered);
                 }

@@ -1,8 +1,7 @@
 //! The state of the port.
 
 use motorlink_bus::{Bus, IdQueryOutcome};
-use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker, UsbId};
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
 use web_sys::ReadableStreamDefaultReader;
 
 use crate::{
@@ -82,35 +81,28 @@ pub(crate) enum Stage {
 }
 
 impl OpenPort {
-    /// Whether this motor has replied on this port.
-    pub(crate) fn has_replied(&self, now: Instant, wanted: MotorId) -> bool {
-        self.bus
-            .motors(now)
-            .any(|motor| motor.id == wanted && motor.last.is_some())
-    }
-
-    /// The adapter's USB IDs, if it is one with any.
-    pub(crate) fn usb(&self) -> Option<UsbId> {
-        match &self.line {
-            Line::Serial(serial) => serial.usb(),
-            Line::Virtual(..) => None,
+    pub(crate) fn new(line: Line, bus: Bus, stage: Stage, driven_file: DrivenFile) -> Self {
+        Self {
+            line,
+            bus,
+            stage,
+            reader: None,
+            id_query: None,
+            asks_again: AsksAgain::default(),
+            driven_file,
+            line_errors: LineErrors::default(),
         }
     }
 
     /// Writes what is driven, and what was left driven on adapters of this make, if it has changed. Returns false if it
     /// cannot be remembered. Virtual motors need no file.
-    pub(crate) fn remember(&mut self, left: &Left) -> bool {
+    pub(crate) fn remember(&mut self, left: &mut Left) -> bool {
         let Line::Serial(serial) = &self.line else {
             return true;
         };
-        let usb = serial.usb();
-        let mut model = self.bus.model();
-        if self.bus.left_driven().next().is_none() {
-            model = left.model(usb).unwrap_or(model);
-        }
-        let bus = &self.bus;
-        let driven = || bus.left_driven().chain(left.of(usb));
-        self.driven_file.remember(model, driven)
+        let (bus, left) = (&self.bus, left.of(serial.usb()));
+        self.driven_file
+            .remember(bus.model(), || bus.left_driven(), left)
     }
 
     pub(crate) async fn close(self) {

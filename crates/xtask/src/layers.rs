@@ -39,6 +39,7 @@ const CRATES: [&[&str]; 12] = [
     &[
         "motorlink-recorder",
         "motorlink-runs",
+        "motorlink-opening",
         "motorlink-kept-runs",
         "motorlink-remote",
     ],

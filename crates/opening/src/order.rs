@@ -2,20 +2,18 @@
 
 use std::time::Duration;
 
+use motorlink_bus::{Bus, DetectedModel};
 use motorlink_protocol::{Instant, family::Model};
 
-use crate::{
-    bus::Bus,
-    model_search::{DETECTION_MAX, DetectedModel, ModelSearch},
-};
+use crate::model_search::{DETECTION_MAX, ModelSearch};
 
-/// How long motors that were left driven may take to answer before another model is tried: an ID query of 60 ms and three
+/// How long a motor may take to answer before another model or port is tried: an ID query of 60 ms and three
 /// queries at 10 Hz.
-const LEFT_ANSWER: Duration = Duration::from_millis(400);
+pub(crate) const ANSWER_MAX: Duration = Duration::from_millis(400);
 
 /// How a trial treats motors that an earlier bus left driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LeftMotors {
+pub(crate) enum LeftMotors {
     /// Those of a like model are stopped first.
     Stop,
     /// It leaves them alone.
@@ -24,7 +22,7 @@ pub enum LeftMotors {
 
 /// What a trial waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Awaited {
+pub(crate) enum Awaited {
     /// A reply of any motor.
     Reply,
     /// Replies of the model.
@@ -35,10 +33,9 @@ pub enum Awaited {
 
 impl Awaited {
     /// How long that may take.
-    #[must_use]
-    pub const fn limit(self) -> Duration {
+    pub(crate) const fn limit(self) -> Duration {
         match self {
-            Self::Reply => LEFT_ANSWER,
+            Self::Reply => ANSWER_MAX,
             Self::Model => DETECTION_MAX,
             Self::Nothing => Duration::ZERO,
         }
@@ -46,8 +43,7 @@ impl Awaited {
 
     /// The model that the replies so far show; `None` while they are not enough. For [`Awaited::Reply`] one reply is
     /// enough, and counts as the model of the line.
-    #[must_use]
-    pub fn found(self, bus: &Bus, now: Instant) -> Option<DetectedModel> {
+    pub(crate) fn found(self, bus: &Bus, now: Instant) -> Option<DetectedModel> {
         match self {
             Self::Reply => {
                 let mut motors = bus.motors(now);
@@ -62,18 +58,18 @@ impl Awaited {
 
 /// How the port is opened once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PortTrial {
+pub(crate) struct PortTrial {
     /// For this model.
-    pub model: Model,
+    pub(crate) model: Model,
     /// How it treats motors that were left driven.
-    pub left: LeftMotors,
+    pub(crate) left: LeftMotors,
     /// What it waits for. [`OpeningOrder::tried`] says whether the port then stays open.
-    pub awaits: Awaited,
+    pub(crate) awaits: Awaited,
 }
 
 /// The trials of one port, until one of them stays open.
 #[derive(Clone, Debug)]
-pub struct OpeningOrder {
+pub(crate) struct OpeningOrder {
     /// The model of the motors that were left driven.
     left: Option<Model>,
     search: ModelSearch,
@@ -85,8 +81,7 @@ pub struct OpeningOrder {
 impl OpeningOrder {
     /// The first model is that of the motors that were left driven. `chosen` is the model that a person has chosen; `None`:
     /// the model is detected. If no motor answers, the port stays open for the chosen model, or else for `likely`.
-    #[must_use]
-    pub fn new(left: Option<Model>, chosen: Option<Model>, likely: Model) -> Self {
+    pub(crate) fn new(left: Option<Model>, chosen: Option<Model>, likely: Model) -> Self {
         let first = left.unwrap_or(likely);
         let mut order = Self {
             left,
@@ -108,14 +103,13 @@ impl OpeningOrder {
     }
 
     /// How to open the port now.
-    #[must_use]
-    pub const fn trial(&self) -> PortTrial {
+    pub(crate) const fn trial(&self) -> PortTrial {
         self.trial
     }
 
     /// Records the result of the trial: the model that it has shown, or `None` if it has shown none within
     /// [`Awaited::limit`]. Returns whether the port stays open.
-    pub fn tried(&mut self, found: Option<DetectedModel>) -> bool {
+    pub(crate) fn tried(&mut self, found: Option<DetectedModel>) -> bool {
         let PortTrial { model, awaits, .. } = self.trial;
         match (awaits, found) {
             (Awaited::Nothing, _) | (Awaited::Reply, Some(_)) => return true,

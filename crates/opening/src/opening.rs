@@ -1,0 +1,325 @@
+//! Tries one port after the other, until one stays open.
+
+use std::time::Duration;
+
+use motorlink_bus::{Bus, Command, DetectedModel, MotorStatus, Refusal};
+use motorlink_messages::{LeftBehind, ModelChoice};
+use motorlink_protocol::{Instant, MotorId, family::Model};
+
+use crate::order::{ANSWER_MAX, Awaited, LeftMotors, OpeningOrder};
+
+/// What the caller does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Claim this port, so that no other program opens it. If that fails, call [`Opening::refused`].
+    Claim(usize),
+    /// Open this port for this model, and call [`Opening::opened`] before anything is sent. If it does not open, call
+    /// [`Opening::refused`].
+    Open(usize, Model),
+    /// Close the open port.
+    Close,
+    /// Run the open port for [`Opening::STEP`].
+    Wait,
+    /// The open port is the right one: its trial is over.
+    Done,
+    /// No port is open.
+    Failed,
+}
+
+/// What happens if the wanted motor replies on none of the ports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IfNoReply {
+    /// The first that opens is taken: a person chose it or plugged it in.
+    TakeFirst,
+    /// None is taken: another adapter of the same make is not the one that was lost.
+    KeepWaiting,
+}
+
+/// How motors that were left driven are treated. They may be on another port that is alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LeftHere {
+    /// They are stopped at once if they can be on no other port, else asked. This is so while all ports are tried.
+    Find,
+    /// They are stopped at once: all other ports were asked.
+    Stop,
+    /// They are left alone: they did not answer here.
+    Leave,
+}
+
+/// What the open port is watched for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Awaits {
+    /// What the trial of the order awaits.
+    Model,
+    /// A motor that was left driven and turns: then this is its port.
+    Turns,
+    /// A reply of the wanted motor.
+    Wanted,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// The next port is chosen.
+    Next,
+    /// The port is claimed.
+    Claimed,
+    /// The port is opened for the next model.
+    Open,
+    OnTrial(Awaits),
+    /// The port is closed; then follows the other stage.
+    Close {
+        opens_again: bool,
+    },
+    Done,
+    Failed,
+}
+
+/// The trials of one or several ports.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    ports: usize,
+    wanted: MotorId,
+    if_no_reply: IfNoReply,
+    choice: ModelChoice,
+    stage: Stage,
+    /// How many ports were tried.
+    tried: usize,
+    /// The port on trial.
+    port: usize,
+    left_here: LeftHere,
+    order: OpeningOrder,
+    /// Whether a motor of the last model has answered on this port.
+    has_answered: bool,
+    /// Whether the motors that were left driven are only asked: they may be on another port.
+    is_asked: bool,
+    first_that_opens: Option<usize>,
+    first_that_fits: Option<usize>,
+    /// The time of the last step, and how long the open port has been watched.
+    watched: (Instant, Duration),
+}
+
+impl Opening {
+    /// The longest pause between two steps.
+    pub const STEP: Duration = Duration::from_millis(20);
+
+    /// Opens one of these ports: the one with a motor that was left driven and turns, else the one on which the wanted
+    /// motor replies.
+    #[must_use]
+    pub fn new(ports: usize, wanted: MotorId, choice: ModelChoice, if_no_reply: IfNoReply) -> Self {
+        Self {
+            ports,
+            wanted,
+            if_no_reply,
+            choice,
+            stage: Stage::Next,
+            tried: 0,
+            port: 0,
+            left_here: LeftHere::Find,
+            order: order_of(choice, None),
+            has_answered: false,
+            is_asked: false,
+            first_that_opens: None,
+            first_that_fits: None,
+            watched: (Instant::ZERO, Duration::ZERO),
+        }
+    }
+
+    /// The port on trial.
+    #[must_use]
+    pub const fn port(&self) -> usize {
+        self.port
+    }
+
+    /// The model to begin with next time.
+    #[must_use]
+    pub const fn choice(&self) -> ModelChoice {
+        self.choice
+    }
+
+    /// Says what to do next. `bus` is that of the open port; `left` was left driven on ports of this make.
+    pub fn step(&mut self, now: Instant, mut bus: Option<&mut Bus>, left: &mut LeftBehind) -> Step {
+        loop {
+            self.stage = match self.stage {
+                Stage::Next => match self.next_port() {
+                    Some(port) => {
+                        self.port = port;
+                        self.stage = Stage::Claimed;
+                        return Step::Claim(port);
+                    }
+                    None => Stage::Failed,
+                },
+                Stage::Claimed => {
+                    self.order = order_of(self.choice, left.model_of_motors());
+                    self.has_answered = false;
+                    if self.left_here == LeftHere::Leave && left.model_of_motors().is_some() {
+                        self.order.tried(None);
+                    }
+                    Stage::Open
+                }
+                Stage::Open => return Step::Open(self.port, self.order.trial().model),
+                Stage::OnTrial(awaits) => {
+                    let Some(bus) = bus.as_deref_mut() else {
+                        return Step::Wait;
+                    };
+                    let (last, watched) = self.watched;
+                    // A computer that was asleep has not watched.
+                    let watched = watched + now.since(last).min(2 * Self::STEP);
+                    self.watched = (now, watched);
+                    let Some(next) = self.after_trial(awaits, now, bus, left) else {
+                        return Step::Wait;
+                    };
+                    self.watched = (now, Duration::ZERO);
+                    next
+                }
+                Stage::Close { opens_again } => {
+                    self.stage = if opens_again {
+                        Stage::Open
+                    } else {
+                        Stage::Next
+                    };
+                    return Step::Close;
+                }
+                Stage::Done => return Step::Done,
+                Stage::Failed => return Step::Failed,
+            }
+        }
+    }
+
+    /// The port cannot be claimed, or does not open.
+    pub const fn refused(&mut self) {
+        self.stage = Stage::Next;
+    }
+
+    /// The port is open, with this bus, which has sent nothing. `is_only` says whether `left` can be on no other port.
+    pub fn opened(&mut self, now: Instant, bus: &mut Bus, left: &mut LeftBehind, is_only: bool) {
+        let trial = self.order.trial();
+        let is_last = trial.awaits == Awaited::Nothing;
+        let is_like = || {
+            let left = left.model_of_motors();
+            left.is_some_and(|left| left.is_like(trial.model))
+        };
+        let left_here = match trial.left {
+            LeftMotors::Stop if !is_last => self.left_here,
+            LeftMotors::Stop if (self.has_answered || self.stays_open()) && is_like() => {
+                LeftHere::Find
+            }
+            _ => LeftHere::Leave,
+        };
+        self.is_asked = left_here == LeftHere::Find && !is_only;
+        if self.is_asked {
+            for motor in &left.motors {
+                // Not refused while nothing drives.
+                let _: Result<(), Refusal> = bus.command(now, Command::Watch(motor.id));
+            }
+            if !is_last {
+                self.choice.model = trial.model;
+            }
+        } else if left_here != LeftHere::Leave {
+            bus.stop_first(now, left.take());
+        }
+        self.watched = (now, Duration::ZERO);
+        self.stage = Stage::OnTrial(if self.is_asked {
+            Awaits::Turns
+        } else {
+            Awaits::Model
+        });
+    }
+
+    /// What follows when the open port has shown what is awaited, or has not shown it in time; `None`: it has time left.
+    fn after_trial(
+        &mut self,
+        awaits: Awaits,
+        now: Instant,
+        bus: &mut Bus,
+        left: &mut LeftBehind,
+    ) -> Option<Stage> {
+        let turns = |motor: MotorStatus| {
+            let speed = motor.speed.map(|(_, speed)| speed.magnitude());
+            let is_left = left.motors.iter().any(|left| left.id == motor.id);
+            is_left && speed.is_some_and(|rpm| rpm > 0)
+        };
+        if self.is_asked && bus.motors(now).any(turns) {
+            bus.stop_first(now, left.take());
+            return Some(Stage::Done);
+        }
+        let (_, watched) = self.watched;
+        // To close the port would cut off a stop.
+        let is_over = |limit| watched >= limit && !bus.is_active(now);
+        match awaits {
+            Awaits::Model => {
+                let awaited = self.order.trial().awaits;
+                let found = awaited.found(bus, now);
+                if found.is_none() && awaited != Awaited::Nothing && !is_over(awaited.limit()) {
+                    return None;
+                }
+                Some(self.after_model(found))
+            }
+            Awaits::Turns => {
+                let next = match self.left_here {
+                    LeftHere::Find => Stage::OnTrial(Awaits::Wanted),
+                    LeftHere::Stop | LeftHere::Leave => Stage::Done,
+                };
+                is_over(ANSWER_MAX).then_some(next)
+            }
+            Awaits::Wanted => {
+                let mut motors = bus.motors(now);
+                let replies = motors.any(|motor| motor.id == self.wanted && motor.last.is_some());
+                if !replies && !is_over(ANSWER_MAX) {
+                    return None;
+                }
+                if replies && !self.is_asked {
+                    return Some(Stage::Done);
+                }
+                self.first_that_opens.get_or_insert(self.port);
+                if replies {
+                    self.first_that_fits.get_or_insert(self.port);
+                }
+                Some(Stage::Close { opens_again: false })
+            }
+        }
+    }
+
+    fn after_model(&mut self, found: Option<DetectedModel>) -> Stage {
+        self.has_answered = found == Some(DetectedModel::Own);
+        if self.has_answered {
+            self.choice.model = self.order.trial().model;
+        }
+        if !self.order.tried(found) {
+            Stage::Close { opens_again: true }
+        } else if self.stays_open() {
+            Stage::Done
+        } else {
+            Stage::OnTrial(Awaits::Wanted)
+        }
+    }
+
+    /// The next port to try. The last one was tried before, and is taken.
+    fn next_port(&mut self) -> Option<usize> {
+        if self.left_here != LeftHere::Find {
+            return None;
+        }
+        if self.tried < self.ports {
+            self.tried += 1;
+            return Some(self.tried - 1);
+        }
+        self.left_here = match self.first_that_fits {
+            Some(_) => LeftHere::Stop,
+            None => LeftHere::Leave,
+        };
+        let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
+        let first = self.first_that_opens.filter(|_| takes_first);
+        self.first_that_fits.or(first)
+    }
+
+    /// Whether the port on trial is taken, unless a motor that was left driven turns on another one.
+    fn stays_open(&self) -> bool {
+        let is_only = self.ports < 2 && self.if_no_reply == IfNoReply::TakeFirst;
+        is_only || self.left_here != LeftHere::Find
+    }
+}
+
+/// The models that a port is opened for.
+fn order_of(choice: ModelChoice, left: Option<Model>) -> OpeningOrder {
+    let chosen = (!choice.detect).then_some(choice.model);
+    OpeningOrder::new(left, chosen, choice.model)
+}
