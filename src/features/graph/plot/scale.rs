@@ -89,19 +89,18 @@ impl Scale {
     }
 
     /// The round values on this scale, from the top: their place between the upper end, 0, and the lower one, 1, and
-    /// their label. The first one has the unit: `+100 rpm`, `0`, `−100`. They are a row apart, or half a row if there
-    /// were only one.
+    /// their label. The first one has the unit: `+100 rpm`, `0`, `−100`. They are a row apart, or nearer, up to half a
+    /// row, if there were only one.
     pub(crate) fn ticks(self, trace: Trace, unit: &str, half_rows: i32) -> Vec<Tick> {
         let steps_of = |steps_max: i32| {
             let step = step(self.span(), steps_max.max(1));
             let (first, last) = (self.upper.div_euclid(step), -(-self.lower).div_euclid(step));
             (step, first, last)
         };
-        let (mut step, mut first, mut last) = steps_of(half_rows / 2);
         // A single value is no scale.
-        if first == last {
-            (step, first, last) = steps_of(half_rows);
-        }
+        let mut nearer = (half_rows / 2..half_rows).map(steps_of);
+        let several = nearer.find(|(_, first, last)| first != last);
+        let (step, first, last) = several.unwrap_or_else(|| steps_of(half_rows));
         let tick = |number: i32| {
             let value = number * step;
             let sign = match value.signum() {
@@ -373,6 +372,8 @@ mod tests {
         // After a reversal, in a low pane.
         let ends = "+100 U | 0 | \u{2212}100";
         assert_eq!(labels(Trace::Speed, (-105.0, 105.0), 2), ends);
+        let around_zero = "+0.1 U | 0.0 | \u{2212}0.1";
+        assert_eq!(labels(Trace::Current, (-0.08, 0.13), 2), around_zero);
         assert_eq!(
             labels(Trace::Current, (0.0, 0.0), 4),
             "+0.10 U | +0.05 | 0.00 | \u{2212}0.05 | \u{2212}0.10"
