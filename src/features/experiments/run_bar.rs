@@ -128,6 +128,9 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
             </p>
             <p class="run-hint">{dynamic(hint)}</p>
             {switch}
+            <p class="run-said" role="status" aria-label=tr!("Result of the run")>
+                {dynamic(move || of.said.get())}
+            </p>
             <div class="run-buttons">
                 <PressButton
                     label=tr!("Arm")
@@ -155,9 +158,6 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
                     on_press=move || of.abort()
                 />
             </div>
-            <p class="run-said" role="status" aria-label=tr!("Result of the run")>
-                {dynamic(move || of.said.get())}
-            </p>
         </div>
     }
 }

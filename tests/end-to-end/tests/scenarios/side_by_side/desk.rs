@@ -111,6 +111,10 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
     for place in ["Test", "Setup", "Diagnose"] {
         page.click("button", place)?;
         in_sight(&page, LAPTOP, "button", "Spin at 20 rpm")?;
+        if place == "Test" {
+            page.click("tab", "Step response")?;
+            in_sight(&page, LAPTOP, "button", "Arm")?;
+        }
     }
     page.open_panel("Control")?;
     page.click("button", "Skip the tour")?;
