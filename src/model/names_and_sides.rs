@@ -106,6 +106,19 @@ impl NamesAndSides {
         members.find(|(other, _)| *other == id).map(|(_, it)| it)
     }
 
+    /// Its name; empty if it has none.
+    pub(crate) fn name(&self, id: MotorId) -> &str {
+        self.member(id).map_or("", |member| member.name().trim())
+    }
+
+    /// Its ID and name: `0x01 · Front left`.
+    pub(crate) fn named(&self, id: MotorId) -> String {
+        match self.name(id) {
+            "" => id.to_string(),
+            name => format!("{id} · {name}"),
+        }
+    }
+
     /// The sign of this motor's speed and current.
     pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
         self.side(id).mirror()

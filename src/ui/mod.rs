@@ -3,6 +3,7 @@
 pub(crate) mod animation;
 pub(crate) mod attribute;
 pub(crate) mod button;
+pub(crate) mod choice_keys;
 pub(crate) mod clock;
 pub(crate) mod dial;
 pub(crate) mod download;

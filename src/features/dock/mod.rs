@@ -5,13 +5,14 @@ mod edge;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlElement, KeyboardEvent};
 
 use self::edge::Edge;
 use crate::{
     model::dock::{self, Look},
-    ui::reactive::{dynamic, handler},
+    ui::{
+        choice_keys::move_choice,
+        reactive::{dynamic, handler},
+    },
 };
 
 /// Separator `Height of graph and packet log`, button `Graph and packet log`, and tabs `Graph` and `Packet log`.
@@ -38,7 +39,7 @@ pub(crate) fn Dock() -> impl IntoView {
                 aria-selected=dynamic(move || chosen().to_string())
                 tabindex=dynamic(move || if chosen() { "0" } else { "-1" })
                 on:click=handler(move |_| change(Look { log, ..look.get_untracked() }))
-                on:keydown=handler(move |event| move_to_other(&event))
+                on:keydown=handler(|event| move_choice(&event))
             >
                 {name}
             </button>
@@ -61,24 +62,5 @@ pub(crate) fn Dock() -> impl IntoView {
                 {tab(true, tr!("Packet log"))}
             </div>
         </div>
-    }
-}
-
-/// An arrow key, Home or End chooses the other one of the two tabs, and takes the focus there.
-fn move_to_other(event: &KeyboardEvent) {
-    let from = event.target().and_then(|at| at.dyn_into::<Element>().ok());
-    let Some(from) = from else { return };
-    let (next, previous) = (from.next_element_sibling(), from.previous_element_sibling());
-    let to = match event.key().as_str() {
-        "ArrowLeft" | "ArrowRight" => next.or(previous),
-        "Home" => previous,
-        "End" => next,
-        _ => return,
-    };
-    event.prevent_default();
-    if let Some(to) = to.and_then(|to| to.dyn_into::<HtmlElement>().ok()) {
-        to.click();
-        // Without the focus it is chosen all the same.
-        let _ = to.focus();
     }
 }

@@ -15,16 +15,15 @@ pub(crate) mod velocity;
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
-use wasm_bindgen::JsCast;
-use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::drive::rate::Settings,
     model::{
-        page::{Page, use_page},
+        page::use_page,
         tab::{self, TABS},
     },
     ui::{
+        choice_keys::move_choice,
         reactive::{dynamic, handler},
         tab_panel::{panel_id, tab_id},
     },
@@ -59,34 +58,9 @@ fn TabButton(mode: Mode) -> impl IntoView {
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
             tabindex=dynamic(move || if selected() { "0" } else { "-1" })
             on:click=handler(move |_| page.loops.tab.set(mode))
-            on:keydown=handler(move |event| move_between_tabs(page, mode, &event))
+            on:keydown=handler(|event| move_choice(&event))
         >
             {tab::name(mode)}
         </button>
-    }
-}
-
-/// Arrow keys, Home and End choose a tab and take the focus with them.
-fn move_between_tabs(page: Page, from: Mode, event: &KeyboardEvent) {
-    let model = page.model.get_untracked();
-    let tabs: Vec<Mode> = TABS.into_iter().filter(|mode| model.has(*mode)).collect();
-    let last = tabs.len() - 1;
-    let place = tabs.iter().position(|mode| *mode == from).unwrap_or(0);
-    let place = match event.key().as_str() {
-        "ArrowRight" if place == last => 0,
-        "ArrowRight" => place + 1,
-        "ArrowLeft" => place.checked_sub(1).unwrap_or(last),
-        "Home" => 0,
-        "End" => last,
-        _ => return,
-    };
-    event.prevent_default();
-    if let Some(mode) = tabs.get(place) {
-        page.loops.tab.set(*mode);
-        let tab = document().get_element_by_id(&tab_id(tab::key(*mode)));
-        if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
-            // The tab is selected even if it cannot be focused.
-            let _ = tab.focus();
-        }
     }
 }

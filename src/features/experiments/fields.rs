@@ -241,14 +241,7 @@ fn MotorField(of: Experiments, kind: StudyKind) -> impl IntoView {
             motors.push(id);
         }
         let option = |id: MotorId| {
-            let name = of.page.motors.names.with(|names| {
-                let member = names.member(id).map(|member| member.name().to_owned());
-                member.filter(|name| !name.is_empty())
-            });
-            let words = match name {
-                Some(name) => format!("{id} · {name}"),
-                None => id.to_string(),
-            };
+            let words = of.page.motors.names.with(|names| names.named(id));
             let value = id.get().to_string();
             view! { <option value=value selected=chosen == Some(id)>{words}</option> }
         };

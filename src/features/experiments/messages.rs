@@ -95,10 +95,11 @@ impl Experiments {
             untranslated(|| log_lines::calm(tr!("Run began: {name}", name = name_of(&study)))),
         );
         let ids = armed.plan.motors().iter().map(|motor| motor.id);
-        let motors = self.page.motors.names.with_untracked(|names| {
-            let name = |id| names.member(id).map(|member| member.name().to_owned());
-            ids.map(|id| (id, name(id).unwrap_or_default())).collect()
-        });
+        let motors = self
+            .page
+            .motors
+            .names
+            .with_untracked(|names| ids.map(|id| (id, names.name(id).to_owned())).collect());
         let passed = self.page.now().since(began).as_secs_f64() * 1_000.0;
         let kind = study.kind();
         self.last.update(|last| {

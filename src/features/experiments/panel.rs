@@ -3,8 +3,6 @@
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{plan::Plan, study::StudyKind};
-use wasm_bindgen::JsCast;
-use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::experiments::{
@@ -23,6 +21,7 @@ use crate::{
     },
     model::place::Place,
     ui::{
+        choice_keys::move_choice,
         reactive::{dynamic, effect, handler},
         tab_panel::tab_id,
     },
@@ -138,34 +137,10 @@ fn tab_button(of: Experiments, tab: ExperimentTab) -> impl IntoView {
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
             tabindex=dynamic(move || if selected() { "0" } else { "-1" })
             on:click=handler(move |_| of.tab.set(tab))
-            on:keydown=handler(move |event| move_between_tabs(of, tab, &event))
+            on:keydown=handler(|event| move_choice(&event))
         >
             {name(tab)}
         </button>
-    }
-}
-
-/// Arrow keys, Home and End choose a tab and take the focus with them.
-fn move_between_tabs(of: Experiments, from: ExperimentTab, event: &KeyboardEvent) {
-    let tabs = ExperimentTab::ALL;
-    let last = tabs.len() - 1;
-    let place = tabs.iter().position(|tab| *tab == from).unwrap_or(0);
-    let place = match event.key().as_str() {
-        "ArrowRight" if place == last => 0,
-        "ArrowRight" => place + 1,
-        "ArrowLeft" => place.checked_sub(1).unwrap_or(last),
-        "Home" => 0,
-        "End" => last,
-        _ => return,
-    };
-    event.prevent_default();
-    if let Some(tab) = tabs.get(place) {
-        of.tab.set(*tab);
-        let tab = document().get_element_by_id(&tab_id(tab.key()));
-        if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
-            // The tab is selected even if it cannot be focused.
-            let _ = tab.focus();
-        }
     }
 }
 

@@ -7,15 +7,13 @@ use motorlink_messages::experiments::{
     runner::{Phase, SilentSteps},
     sequence::Quantity,
 };
-use wasm_bindgen::JsCast;
-use web_sys::HtmlInputElement;
 
 use crate::{
     features::experiments::{
         state::{Armed, Experiments},
         texts,
     },
-    model::{page::Page, terms},
+    model::{names_and_sides::NamesAndSides, page::Page, terms},
     ui::{
         button::PressButton,
         format,
@@ -42,14 +40,7 @@ pub(super) fn RunSettings(of: Experiments) -> impl IntoView {
             of.rate.set(rate);
         }
     };
-    let check = move |event: web_sys::Event| {
-        let input = event
-            .target()
-            .and_then(|at| at.dyn_into::<HtmlInputElement>().ok());
-        if let Some(input) = input {
-            of.stop_on_lost_focus.set(input.checked());
-        }
-    };
+    let check = move |event| of.stop_on_lost_focus.set(event_target_checked(&event));
     view! {
         <div class="run-settings">
             <label class="ask-field">
@@ -239,18 +230,8 @@ fn rate(armed: &Armed) -> String {
 /// `Motor 0x01 · front left: −100 to +100 rpm, velocity loop`. A position run also moves from the present angle to the
 /// first one.
 fn motor_line(page: Page, motor: &PlanMotor) -> String {
-    let id = motor.id;
-    let name = page.motors.names.with_untracked(|names| {
-        let member = names.member(id);
-        member
-            .map(|member| member.name().to_owned())
-            .unwrap_or_default()
-    });
-    let named = if name.is_empty() {
-        id.to_string()
-    } else {
-        format!("{id} · {name}")
-    };
+    let named = |names: &NamesAndSides| names.named(motor.id);
+    let named = page.motors.names.with_untracked(named);
     let mode = terms::mode(motor.mode());
     let unit = texts::unit(motor.quantity);
     let (least, greatest) = (texts::signed(motor.least), texts::signed(motor.greatest));

@@ -184,8 +184,7 @@ fn draw(
     of.redrawn.track();
     let motors = of.fleet.with(|fleet| fleet.motors.clone());
     let motors: Vec<_> = of.page.motors.names.with(|names| {
-        let name = |id| names.member(id).map(|member| member.name().to_owned());
-        let named = motors.iter().map(|id| (*id, name(*id).unwrap_or_default()));
+        let named = motors.iter().map(|id| (*id, names.named(*id)));
         named.collect()
     });
     of.draft.with_untracked(|draft| {

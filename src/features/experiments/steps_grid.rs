@@ -34,7 +34,7 @@ const COLUMNS: [Column; 12] = [
 
 /// What the table shows besides its rows.
 pub(super) struct Shown<'a> {
-    /// The motors to choose from, with their names.
+    /// The motors to choose from, and how they are named.
     pub(super) motors: &'a [(MotorId, String)],
     pub(super) selected: usize,
     pub(super) wrong: Option<(usize, Column)>,
@@ -213,14 +213,8 @@ fn choices(column: Column, row: &Row, shown: &Shown<'_>) -> Vec<(String, String)
                 ("all".to_owned(), tr!("all").to_owned()),
                 (format!("group {GROUP}"), tr!("group").to_owned()),
             ];
-            for (id, name) in shown.motors {
-                let words = if name.is_empty() {
-                    id.to_string()
-                } else {
-                    format!("{id} · {name}")
-                };
-                all.push((id.get().to_string(), words));
-            }
+            let motors = shown.motors.iter();
+            all.extend(motors.map(|(id, named)| (id.get().to_string(), named.clone())));
             // A motor or a group of a file that is not here stays visible; the check names it.
             let own = row.cell(column);
             if !all.iter().any(|(value, _)| value == own) {

@@ -2,8 +2,6 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use wasm_bindgen::JsCast;
-use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::graph::{
@@ -15,6 +13,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
+        choice_keys::move_choice,
         reactive::{dynamic, handler},
     },
 };
@@ -195,7 +194,7 @@ fn Window(chart: Chart, window: (u64, &'static str)) -> impl IntoView {
             aria-checked=dynamic(move || if chosen() { "true" } else { "false" })
             tabindex=dynamic(move || if chosen() || first_of_none() { "0" } else { "-1" })
             on:click=handler(move |_| choose(chart, span_us))
-            on:keydown=handler(move |event: KeyboardEvent| move_between(chart, span_us, &event))
+            on:keydown=handler(|event| move_choice(&event))
         >
             {name}
         </button>
@@ -204,30 +203,4 @@ fn Window(chart: Chart, window: (u64, &'static str)) -> impl IntoView {
 
 fn choose(chart: Chart, span_us: u64) {
     chart.show(chart.view.get_untracked().with_span(span_us));
-}
-
-/// Arrow keys choose a window and move the focus to it.
-fn move_between(chart: Chart, from_us: u64, event: &KeyboardEvent) {
-    let last = WINDOWS.len() - 1;
-    let place = WINDOWS.iter().position(|(span_us, _)| *span_us == from_us);
-    let place = place.unwrap_or(0);
-    let place = match event.key().as_str() {
-        "ArrowRight" | "ArrowDown" if place == last => 0,
-        "ArrowRight" | "ArrowDown" => place + 1,
-        "ArrowLeft" | "ArrowUp" => place.checked_sub(1).unwrap_or(last),
-        _ => return,
-    };
-    event.prevent_default();
-    let Some((span_us, _)) = WINDOWS.get(place) else {
-        return;
-    };
-    choose(chart, *span_us);
-    let chosen = document()
-        .query_selector(".graph-window[aria-checked=true]")
-        .ok()
-        .flatten();
-    if let Some(chosen) = chosen.and_then(|chosen| chosen.dyn_into::<HtmlElement>().ok()) {
-        // Without the focus the window is chosen all the same.
-        let _ = chosen.focus();
-    }
 }

@@ -9,7 +9,7 @@ use web_sys::{Element, HtmlElement, HtmlInputElement};
 use crate::{
     features::motors::chips::{FIGURES, Figure, chips_html, figures},
     model::{
-        names_and_sides::{NameAndSide, NamesAndSides},
+        names_and_sides::NamesAndSides,
         page::{Page, use_page},
         place::Place,
         snapshot::Session,
@@ -81,10 +81,10 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
     effect(move || {
         let id = page.selected.get();
         let is_one_of_many = found.with(|found| found.len() > 1);
-        let title = page.motors.names.with(|names| {
-            let name = names.member(id).map_or("", NameAndSide::name);
-            format!("{id} {name}")
-        });
+        let title = page
+            .motors
+            .names
+            .with(|names| format!("{id} {}", names.name(id)));
         // The words of the wheel follow its ID. A name would lie over the ring.
         let [title, id] = if is_one_of_many {
             [title.trim_end(), &format!("{id} · ")]

@@ -143,7 +143,7 @@ pub(crate) fn marked(when: String, mirror: Mirror) -> String {
 /// `0x01 Front left`, or only the ID of a motor without a name; `0x02 (mirrored)`.
 pub(crate) fn motor_name(id: MotorId, names: &NamesAndSides) -> String {
     let mut words = id.to_string();
-    let name = names.member(id).map_or("", |member| member.name().trim());
+    let name = names.name(id);
     let mirrored = names.mirror(id).is_mirrored().then(|| tr!("(mirrored)"));
     for part in [name, mirrored.unwrap_or_default()] {
         if !part.is_empty() {
