@@ -52,7 +52,7 @@ struct JsonFile {
 
 impl JsonFile {
     fn add(&mut self, channel: Channel, schema: u16) -> u16 {
-        let number = self.container.channel(schema, channel.topic());
+        let number = self.container.channel(schema, &channel.topic());
         self.channels.push((channel, number));
         number
     }

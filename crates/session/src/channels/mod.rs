@@ -23,7 +23,11 @@ pub(crate) mod telemetry;
 pub use telemetry::TelemetryJson;
 pub(crate) mod wire;
 
+use std::collections::BTreeMap;
+
 pub(crate) use json::{integer, push_text};
+
+use crate::mcap::fields::Fields;
 
 /// A topic that the reader uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +52,15 @@ impl Topic {
             Self::EVENTS => Some(Self::Events),
             Self::STATE => Some(Self::State),
             _ => None,
+        }
+    }
+
+    /// Takes the content of a channel's record.
+    pub(crate) fn read_channel(topics: &mut BTreeMap<u16, Self>, content: &[u8]) {
+        if let Some((id, topic)) = Fields(content).channel_head()
+            && let Some(topic) = Self::from_name(topic)
+        {
+            topics.insert(id, topic);
         }
     }
 }

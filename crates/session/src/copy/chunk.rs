@@ -12,8 +12,8 @@ use crate::{
         container::{JSON, channel_content, schema_content},
         fields::Fields,
         op,
-        put::{self, record},
-        whole_chunk::{MessageIndexes, WholeChunk},
+        open_chunk::OpenChunk,
+        put::record,
     },
     record::{Event, EventKind},
 };
@@ -75,9 +75,7 @@ impl Events {
 /// The records of a chunk of the copy.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
-    raw: Vec<u8>,
-    times: Option<(u64, u64)>,
-    pub(super) indexes: MessageIndexes,
+    pub(super) open: OpenChunk,
     /// Opcode, ID and content of its schemas and channels.
     pub(super) declared: Vec<(u8, u16, Vec<u8>)>,
     /// Whether it differs from the one in the file.
@@ -100,37 +98,35 @@ impl Chunk {
                 break;
             };
             let whole = before.get(..before.len() - records.0.len());
-            let mut fields = Fields(content);
             if matches!(opcode, op::SCHEMA | op::CHANNEL)
-                && let Some(id) = fields.u16()
+                && let Some(id) = Fields(content).u16()
             {
                 chunk.declared.push((opcode, id, content.to_vec()));
-                let topic = fields.u16().and_then(|_schema| fields.text());
-                let topic = topic.and_then(Topic::from_name);
-                if let Some(topic) = topic.filter(|_| opcode == op::CHANNEL) {
-                    topics.insert(id, topic);
-                }
             }
+            if opcode == op::CHANNEL {
+                Topic::read_channel(topics, content);
+            }
+            let mut data = Fields(content);
             if opcode == op::MESSAGE
-                && let Some((channel, log_ns, data)) = message(content)
+                && let Some((channel, log_ns)) = data.message_head()
             {
                 let topic = topics.get(&channel);
-                if topic == Some(&Topic::Events) && is_bookmark(data) {
+                if topic == Some(&Topic::Events) && is_bookmark(data.0) {
                     chunk.is_changed = true;
                     continue;
                 }
                 if topic.is_some()
-                    && let Some(at) = time(data)
+                    && let Some(at) = time(data.0)
                 {
                     chunk.add_due(events, pending, Some(at));
                     pending.pass(at, log_ns);
                 }
-                chunk.index(channel, log_ns);
+                chunk.open.index(channel, log_ns);
             }
-            chunk.raw.extend(whole.unwrap_or_default());
+            chunk.open.raw.extend(whole.unwrap_or_default());
         }
         // Bytes that are no record stay too.
-        chunk.raw.extend(records.0);
+        chunk.open.raw.extend(records.0);
         chunk
     }
 
@@ -148,49 +144,14 @@ impl Chunk {
             for (opcode, id, content) in events.needed() {
                 let mut known = self.declared.iter();
                 if !known.any(|(other, of, _)| (*other, *of) == (opcode, id)) {
-                    record(&mut self.raw, opcode, |out| out.extend(&content));
+                    record(&mut self.open.raw, opcode, |out| out.extend(&content));
                     self.declared.push((opcode, id, content));
                 }
             }
-            self.index(events.channel, utc_ns);
             let json = events::json(at, &Event::new(EventKind::Bookmark, text));
-            record(&mut self.raw, op::MESSAGE, |out| {
-                put::u16(out, events.channel);
-                // The writer of the bookmark does not count the messages of the channel.
-                put::u32(out, 0);
-                put::u64(out, utc_ns);
-                put::u64(out, utc_ns);
-                out.extend(json.as_bytes());
-            });
+            self.open.message(events.channel, utc_ns, json.as_bytes());
         }
     }
-
-    /// A message of this channel follows.
-    fn index(&mut self, channel: u16, log_ns: u64) {
-        let (from, to) = self.times.unwrap_or((log_ns, log_ns));
-        self.times = Some((from.min(log_ns), to.max(log_ns)));
-        let index = self.indexes.entry(channel).or_default();
-        index.push((log_ns, self.raw.len() as u64));
-    }
-
-    /// The chunk to write; `None` without a message.
-    pub(super) fn whole(&self) -> Option<WholeChunk<'_>> {
-        Some(WholeChunk {
-            raw: &self.raw,
-            times: self.times?,
-            indexes: &self.indexes,
-        })
-    }
-}
-
-/// Channel, time and data of a message.
-fn message(content: &[u8]) -> Option<(u16, u64, &[u8])> {
-    let mut fields = Fields(content);
-    let channel = fields.u16()?;
-    fields.u32()?;
-    let log_ns = fields.u64()?;
-    fields.u64()?;
-    Some((channel, log_ns, fields.0))
 }
 
 fn is_bookmark(data: &[u8]) -> bool {

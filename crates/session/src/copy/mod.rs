@@ -30,7 +30,6 @@ use crate::{
         fields::Fields,
         file_index::FileIndex,
         op,
-        put::{self, record},
         summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
     },
     overview::Overview,
@@ -316,23 +315,16 @@ impl Copying {
     fn chunk(&mut self, raw: &[u8]) -> Chunk {
         let chunk = Chunk::copy(raw, &mut self.topics, &self.events, &mut self.pending);
         for (opcode, id, content) in &chunk.declared {
-            let known = match *opcode {
-                op::SCHEMA => &mut self.index.schemas,
-                _ => &mut self.index.channels,
-            };
+            let known = self.index.declared(*opcode);
             known.insert(*id, content.clone());
         }
-        for (channel, messages) in &chunk.indexes {
-            *self.index.messages.entry(*channel).or_default() += messages.len() as u64;
-        }
+        self.index.count(&chunk.open.indexes);
         chunk
     }
 
     fn put_chunk(&mut self, chunk: &Chunk, out: &mut Vec<u8>) {
-        if let Some(whole) = chunk.whole() {
-            let index = whole.put(out, self.written);
-            self.index.chunks.push(index);
-        }
+        let index = chunk.open.put(out, self.written);
+        self.index.chunks.extend(index);
     }
 
     /// Takes a record that is copied as it is into the new summary. Of a long one only the beginning is there.
@@ -343,11 +335,8 @@ impl Copying {
         let mut fields = Fields(content);
         match opcode {
             op::SCHEMA | op::CHANNEL => {
-                let known = match opcode {
-                    op::SCHEMA => &mut self.index.schemas,
-                    _ => &mut self.index.channels,
-                };
                 if let Some(id) = fields.u16() {
+                    let known = self.index.declared(opcode);
                     known.insert(id, content.to_vec());
                 }
                 self.events.see(opcode, content);
@@ -389,38 +378,16 @@ impl Copying {
         self.is_done = true;
         let rest = Chunk::of_rest(&self.events, &mut self.pending);
         for (opcode, id, content) in &rest.declared {
-            let known = match *opcode {
-                op::SCHEMA => &mut self.index.schemas,
-                _ => &mut self.index.channels,
-            };
-            known.entry(*id).or_insert_with(|| content.clone());
+            let known = self.index.declared(*opcode).entry(*id);
+            known.or_insert_with(|| content.clone());
         }
-        for (channel, messages) in &rest.indexes {
-            *self.index.messages.entry(*channel).or_default() += messages.len() as u64;
-        }
+        self.index.count(&rest.open.indexes);
         self.put_chunk(&rest, out);
-        let offset = self.written + out.len() as u64;
         let json = self.overview.to_json();
         let log_ns = self.overview.span_ns().map_or(0, |(_, to)| to);
-        record(out, op::ATTACHMENT, |out| {
-            let start = out.len();
-            put::u64(out, log_ns);
-            put::u64(out, log_ns);
-            put::text(out, format::OVERVIEW);
-            put::text(out, "application/json");
-            put::u64(out, json.len() as u64);
-            out.extend(json.as_bytes());
-            let crc = CRC.checksum(out.get(start..).unwrap_or_default());
-            put::u32(out, crc);
-        });
-        self.index.attachments.push(AttachmentIndex {
-            offset,
-            length: self.written + out.len() as u64 - offset,
-            log_ns,
-            size: json.len() as u64,
-            name: format::OVERVIEW.to_owned(),
-            media_type: "application/json".to_owned(),
-        });
+        let name = (format::OVERVIEW, "application/json");
+        self.index
+            .attach(out, self.written, log_ns, name, json.as_bytes());
         self.crc.update(out);
         let crc = self.crc.clone().finalize();
         let data_len = self.written + out.len() as u64;

@@ -62,6 +62,19 @@ impl<'a> Fields<'a> {
         *self = ahead;
         Some((opcode, content))
     }
+
+    /// The ID and the topic at the head of a channel's record.
+    pub(crate) fn channel_head(&mut self) -> Option<(u16, &'a str)> {
+        let (id, _schema) = (self.u16()?, self.u16()?);
+        Some((id, self.text()?))
+    }
+
+    /// Channel and time at the head of a message. Its data follows.
+    pub(crate) fn message_head(&mut self) -> Option<(u16, u64)> {
+        let (channel, _sequence) = (self.u16()?, self.u32()?);
+        let (log_ns, _published_ns) = (self.u64()?, self.u64()?);
+        Some((channel, log_ns))
+    }
 }
 
 #[cfg(test)]

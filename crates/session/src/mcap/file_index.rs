@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{
     CRC, MAGIC, RECORD_HEAD_LEN, op,
+    open_chunk::MessageIndexes,
     put::{self, record},
     summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
 };
@@ -18,7 +19,7 @@ const RECORD_DATA_END_LEN: u64 = RECORD_HEAD_LEN + 4;
 #[derive(Debug, Default)]
 pub(crate) struct FileIndex {
     /// The content of each schema's record, by its ID.
-    pub(crate) schemas: BTreeMap<u16, Vec<u8>>,
+    schemas: BTreeMap<u16, Vec<u8>>,
     /// The content of each channel's record, by its ID.
     pub(crate) channels: BTreeMap<u16, Vec<u8>>,
     /// How many messages each channel has.
@@ -29,6 +30,52 @@ pub(crate) struct FileIndex {
 }
 
 impl FileIndex {
+    /// The contents of the records with this opcode: schemas or channels.
+    pub(crate) const fn declared(&mut self, opcode: u8) -> &mut BTreeMap<u16, Vec<u8>> {
+        match opcode {
+            op::SCHEMA => &mut self.schemas,
+            _ => &mut self.channels,
+        }
+    }
+
+    /// Counts the messages of a chunk.
+    pub(crate) fn count(&mut self, indexes: &MessageIndexes) {
+        for (channel, messages) in indexes {
+            *self.messages.entry(*channel).or_default() += messages.len() as u64;
+        }
+    }
+
+    /// Adds an attachment to `out`, which begins at this offset of the file.
+    pub(crate) fn attach(
+        &mut self,
+        out: &mut Vec<u8>,
+        out_at: u64,
+        log_ns: u64,
+        (name, media_type): (&str, &str),
+        data: &[u8],
+    ) {
+        let offset = out_at + out.len() as u64;
+        record(out, op::ATTACHMENT, |out| {
+            let start = out.len();
+            put::u64(out, log_ns);
+            put::u64(out, log_ns);
+            put::text(out, name);
+            put::text(out, media_type);
+            put::u64(out, data.len() as u64);
+            out.extend(data);
+            let crc = CRC.checksum(out.get(start..).unwrap_or_default());
+            put::u32(out, crc);
+        });
+        self.attachments.push(AttachmentIndex {
+            offset,
+            length: out_at + out.len() as u64 - offset,
+            log_ns,
+            size: data.len() as u64,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+        });
+    }
+
     /// The bytes behind the data, which has this length and CRC.
     pub(crate) fn end(&self, data_len: u64, data_crc: u32) -> Vec<u8> {
         let mut last = Vec::new();

@@ -15,9 +15,9 @@ pub(crate) mod compression;
 pub(crate) mod container;
 pub(crate) mod fields;
 pub(crate) mod file_index;
+pub(crate) mod open_chunk;
 pub(crate) mod put;
 pub(crate) mod summary;
-pub(crate) mod whole_chunk;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 

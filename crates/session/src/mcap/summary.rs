@@ -7,7 +7,7 @@ use super::{
 };
 
 /// The position and the content of a chunk.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChunkIndex {
     pub(crate) from_ns: u64,
     pub(crate) to_ns: u64,
@@ -55,12 +55,11 @@ impl ChunkIndex {
             to_ns,
             offset,
             length,
-            message_indexes: Vec::new(),
             index_length: fields.u64()?,
             compression: fields.text()?.to_owned(),
             compressed_size: fields.u64()?,
             size: fields.u64()?,
-            is_loose: false,
+            ..Self::default()
         })
     }
 
@@ -72,28 +71,21 @@ impl ChunkIndex {
             to_ns: head.to_ns,
             offset,
             length: content_length.checked_add(super::RECORD_HEAD_LEN)?,
-            message_indexes: Vec::new(),
-            index_length: 0,
             compression: head.compression.to_owned(),
             compressed_size: head.compressed_size,
             size: head.size,
-            is_loose: false,
+            ..Self::default()
         })
     }
 
     /// The messages outside of chunks that begin with one at this offset, without it.
-    pub(crate) const fn of_loose(offset: u64, log_ns: u64) -> Self {
+    pub(crate) fn of_loose(offset: u64, log_ns: u64) -> Self {
         Self {
             from_ns: log_ns,
             to_ns: log_ns,
             offset,
-            length: 0,
-            message_indexes: Vec::new(),
-            index_length: 0,
-            compression: String::new(),
-            compressed_size: 0,
-            size: 0,
             is_loose: true,
+            ..Self::default()
         }
     }
 

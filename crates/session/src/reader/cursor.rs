@@ -150,28 +150,15 @@ impl Cursor {
             return false;
         };
         self.read = self.chunk.len() - fields.0.len();
-        let mut fields = Fields(content);
         if opcode == op::CHANNEL {
-            let channel = fields.u16().zip(fields.u16()).zip(fields.text());
-            if let Some(((id, _schema), topic)) = channel
-                && let Some(topic) = Topic::from_name(topic)
-            {
-                self.topics.insert(id, topic);
-            }
+            Topic::read_channel(&mut self.topics, content);
         } else if opcode == op::MESSAGE {
-            let head = fields
-                .u16()
-                .zip(fields.u32())
-                .zip(fields.u64())
-                .zip(fields.u64());
-            match head {
-                Some((((channel, _sequence), log_ns), _published)) => {
-                    let topic = self.topics.get(&channel).copied();
-                    let content = read(&mut self.replies, topic, log_ns, fields.0);
-                    self.take(content);
-                }
-                None => self.problems.add(Problem::MessageDamaged),
-            }
+            let mut fields = Fields(content);
+            let content = fields.message_head().and_then(|(channel, log_ns)| {
+                let topic = self.topics.get(&channel).copied();
+                read(&mut self.replies, topic, log_ns, fields.0)
+            });
+            self.take(content);
         }
         true
     }

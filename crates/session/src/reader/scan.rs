@@ -4,11 +4,14 @@
 use std::ops::Range;
 
 use super::{Problem, Session};
-use crate::mcap::{
-    MAGIC, RECORD_HEAD_LEN,
-    fields::Fields,
-    op,
-    summary::{AttachmentIndex, ChunkHead, ChunkIndex},
+use crate::{
+    channels::Topic,
+    mcap::{
+        MAGIC, RECORD_HEAD_LEN,
+        fields::Fields,
+        op,
+        summary::{AttachmentIndex, ChunkHead, ChunkIndex},
+    },
 };
 
 /// Bytes per request. They contain the whole head of a record.
@@ -142,7 +145,7 @@ impl Scan {
                 }
             }
             op::METADATA => session.read_metadata(window),
-            op::CHANNEL => session.read_channel(fields.0),
+            op::CHANNEL => Topic::read_channel(&mut session.topics, fields.0),
             // A summary follows, which is missing or damaged.
             op::DATA_END => return Found::DataEnd,
             _ => {}

@@ -47,7 +47,7 @@ pub(super) fn read_summary(
         match opcode {
             op::CHANNEL => {
                 session.has_channels = true;
-                session.read_channel(content);
+                Topic::read_channel(&mut session.topics, content);
             }
             op::CHUNK_INDEX => session.add_chunk(ChunkIndex::read(content)?, start),
             op::ATTACHMENT_INDEX => session.add_attachment(AttachmentIndex::read(content)?),
@@ -96,17 +96,6 @@ impl Session {
         // A session has a few attachments. The bound protects against files with millions.
         if self.attachments.len() < CHUNKS_MAX {
             self.attachments.push(attachment);
-        }
-    }
-
-    /// Takes the content of a channel record.
-    pub(super) fn read_channel(&mut self, content: &[u8]) {
-        let mut fields = Fields(content);
-        let channel = fields.u16().zip(fields.u16()).zip(fields.text());
-        if let Some(((id, _schema), topic)) = channel
-            && let Some(topic) = Topic::from_name(topic)
-        {
-            self.topics.insert(id, topic);
         }
     }
 
