@@ -1,6 +1,6 @@
 //! The figures of a run as a table: one row per motor, step, or point of a Bode plot, with all parameters.
 
-use nojson::{DisplayJson, JsonFormatter, json};
+use nojson::{DisplayJson, JsonFormatter, array, object};
 
 use super::RunHeader;
 use crate::{
@@ -52,22 +52,14 @@ pub fn figures_to_csv(header: &RunHeader, study: &Study, findings: &Findings) ->
 /// The table as JSON, with the study as [`Study::to_json`] writes it.
 #[must_use]
 pub fn figures_to_json(header: &RunHeader, study: &Study, findings: &Findings) -> String {
-    let text = json(|f| {
-        f.object(|f| {
-            f.member("motorlink_figures", 1)?;
-            f.member("model", &header.model)?;
-            for (name, cell) in parameters(header, study) {
-                f.member(name, cell)?;
-            }
-            f.member("study", study)?;
-            f.member(
-                "figures",
-                figures(findings)
-                    .into_iter()
-                    .map(Object)
-                    .collect::<Vec<_>>(),
-            )
-        })
+    let text = object(|f| {
+        f.member("motorlink_figures", 1)?;
+        f.member("model", &header.model)?;
+        f.members(parameters(header, study))?;
+        f.member("study", study)?;
+        let rows = figures(findings).into_iter();
+        let rows = rows.map(|row| object(move |f| f.members(row.iter().copied())));
+        f.member("figures", array(|f| f.elements(rows.clone())))
     });
     format!("{text}\n")
 }
@@ -324,18 +316,5 @@ impl DisplayJson for Cell {
             Self::Flag(flag) => f.value(flag),
             Self::Text(text) => f.value(text),
         }
-    }
-}
-
-struct Object(Row);
-
-impl DisplayJson for Object {
-    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
-        f.object(|f| {
-            for (name, cell) in &self.0 {
-                f.member(*name, cell)?;
-            }
-            Ok(())
-        })
     }
 }

@@ -2,18 +2,18 @@
 //!
 //! Rows are arrays, because a run of minutes has tens of thousands. Times are microseconds since the start.
 
-use std::{fmt, ops::RangeInclusive};
+use std::fmt;
 
-use motorlink_protocol::{Current, Faults, Instant, MotorId};
-use nojson::{JsonFormatter, RawJson, RawJsonValue, json};
+use motorlink_protocol::{Current, Instant, MotorId};
+use nojson::{JsonFormatter, RawJson, RawJsonMember, RawJsonValue, array, object};
 
 use super::{
-    Outcome, RunHeader,
+    Outcome, RunHeader, outcome_names,
     setpoint::{of_parts, parts},
 };
 use crate::{
     plan::MOTORS_MAX,
-    runner::{Cause, End, Mark, Record, RecordPart, Sample, SentSetpoint},
+    runner::{End, Mark, Record, RecordPart, Sample, SentSetpoint},
     study::Study,
 };
 
@@ -49,73 +49,63 @@ type Result<T> = std::result::Result<T, JsonError>;
 /// The whole run as a file.
 #[must_use]
 pub fn run_to_json(header: &RunHeader, record: &Record) -> String {
-    let began = header.began.unwrap_or(Instant::from_micros(0));
+    let began = header.began.unwrap_or(Instant::ZERO);
     let micros = |at: Instant| u64::try_from(at.since(began).as_micros()).unwrap_or(u64::MAX);
     let ended = match header.outcome {
         Outcome::Ended(End::Finished { at } | End::Aborted { at, .. }) => Some(micros(at)),
         _ => None,
     };
     let samples = record.samples().iter().map(|it| {
-        json_row(move |f| {
-            f.array(|f| {
-                f.element(micros(it.at))?;
-                f.element(it.id.get())?;
-                f.element(it.rpm)?;
-                f.element(it.current.map(Current::raw))?;
-                f.element(it.degrees)?;
-                f.element(it.celsius)
-            })
+        array(move |f| {
+            f.element(micros(it.at))?;
+            f.element(it.id.get())?;
+            f.element(it.rpm)?;
+            f.element(it.current.map(Current::raw))?;
+            f.element(it.degrees)?;
+            f.element(it.celsius)
         })
     });
     let sent = record.sent_setpoints().iter().map(|it| {
         let (unit, value, acceleration) = parts(it.setpoint);
-        json_row(move |f| {
-            f.array(|f| {
-                f.element(micros(it.at))?;
-                f.element(it.id.get())?;
-                f.element(unit)?;
-                f.element(value)?;
-                f.element(acceleration)
-            })
+        array(move |f| {
+            f.element(micros(it.at))?;
+            f.element(it.id.get())?;
+            f.element(unit)?;
+            f.element(value)?;
+            f.element(acceleration)
         })
     });
     let marks = record.marks().iter().map(|it| {
-        json_row(move |f| {
-            f.array(|f| {
-                f.element(micros(it.at))?;
-                f.element(it.step)
-            })
+        array(move |f| {
+            f.element(micros(it.at))?;
+            f.element(it.step)
         })
     });
     let motors = header.motors.iter().map(|(id, name)| {
-        json_row(move |f| {
-            f.array(|f| {
-                f.element(id.get())?;
-                f.element(name)
-            })
+        array(move |f| {
+            f.element(id.get())?;
+            f.element(name)
         })
     });
-    let text = json(|f| {
-        f.object(|f| {
-            f.member("motorlink_run", VERSION)?;
-            f.member("number", header.number)?;
-            f.member("name", &header.name)?;
-            f.member("study", Inner(&header.study))?;
-            f.member("motors", motors.clone().collect::<Vec<_>>())?;
-            f.member("model", &header.model)?;
-            f.member("signs", SIGNS)?;
-            f.member("setup", Inner(&header.setup))?;
-            f.member("page_version", &header.page_version)?;
-            f.member("began_unix_ms", header.began_unix_ms)?;
-            f.member("is_started", header.began.is_some())?;
-            f.member("request_hz", header.request_hz)?;
-            f.member("outcome", outcome_name(header.outcome))?;
-            f.member("why", header.outcome.cause().map(|cause| cause.to_string()))?;
-            f.member("ended_us", ended)?;
-            f.member("samples", samples.clone().collect::<Vec<_>>())?;
-            f.member("sent", sent.clone().collect::<Vec<_>>())?;
-            f.member("marks", marks.clone().collect::<Vec<_>>())
-        })
+    let text = object(|f| {
+        f.member("motorlink_run", VERSION)?;
+        f.member("number", header.number)?;
+        f.member("name", &header.name)?;
+        f.member("study", Inner(&header.study))?;
+        f.member("motors", array(|f| f.elements(motors.clone())))?;
+        f.member("model", &header.model)?;
+        f.member("signs", SIGNS)?;
+        f.member("setup", Inner(&header.setup))?;
+        f.member("page_version", &header.page_version)?;
+        f.member("began_unix_ms", header.began_unix_ms)?;
+        f.member("is_started", header.began.is_some())?;
+        f.member("request_hz", header.request_hz)?;
+        f.member("outcome", outcome_names::name(header.outcome))?;
+        f.member("why", header.outcome.cause().map(|cause| cause.to_string()))?;
+        f.member("ended_us", ended)?;
+        f.member("samples", array(|f| f.elements(samples.clone())))?;
+        f.member("sent", array(|f| f.elements(sent.clone())))?;
+        f.member("marks", array(|f| f.elements(marks.clone())))
     });
     format!("{text}\n")
 }
@@ -132,96 +122,41 @@ impl nojson::DisplayJson for Inner<'_> {
     }
 }
 
-fn json_row<F: Fn(&mut JsonFormatter<'_, '_>) -> fmt::Result>(write: F) -> Row<F> {
-    Row(write)
-}
-
-struct Row<F>(F);
-
-impl<F: Fn(&mut JsonFormatter<'_, '_>) -> fmt::Result> nojson::DisplayJson for Row<F> {
-    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> fmt::Result {
-        (self.0)(f)
-    }
-}
-
-const fn outcome_name(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Running => "running",
-        Outcome::Ended(End::Finished { .. }) => "finished",
-        Outcome::Ended(End::Aborted { cause, .. }) => cause_name(cause),
-        Outcome::PageClosed => "page_closed",
-    }
-}
-
-const fn cause_name(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Stopped => "stopped",
-        Cause::Driven(_) => "driven",
-        Cause::Fault(..) => "fault",
-        Cause::Silent(_) => "silent",
-        Cause::Limit(..) => "limit",
-        Cause::OtherLoop(..) => "other_loop",
-        Cause::Refused(_) => "refused",
-        Cause::Unplugged => "unplugged",
-        Cause::TabClosed => "tab_closed",
-        Cause::PageSilent => "page_silent",
-        Cause::OperatorLost => "operator_lost",
-        Cause::FocusLost => "focus_lost",
-        Cause::Slept => "slept",
-        Cause::Late => "late",
-        Cause::WaitTimedOut { .. } => "wait_timed_out",
-        Cause::PausedTooLong => "paused_too_long",
-        Cause::PortClosed => "port_closed",
-        Cause::Scan => "scan",
-        Cause::OtherModel => "other_model",
-        Cause::LeftDriven => "left_driven",
-        Cause::ProgramFailed => "program_failed",
-    }
-}
-
 /// Reads such a file. A cause with details, such as a limit, is read without them: the file has them as text only.
 ///
 /// # Errors
 /// [`JsonError`] names the field that does not fit.
 pub fn run_from_json(text: &str) -> Result<(RunHeader, Record)> {
     let raw = RawJson::parse(text).map_err(|_| JsonError { place: "JSON" })?;
-    let file = File(raw.value());
-    if !(1..=VERSION).contains(&crate::number::whole(file.number("motorlink_run")?)) {
-        return Err(JsonError {
-            place: "motorlink_run",
-        });
-    }
-    let began = Instant::from_micros(0);
-    let motors = file.rows("motors", |row| {
-        Some((motor(&cell(row, 0)?)?, string(&cell(row, 1)?)?))
+    let file = raw.value();
+    field(file, "motorlink_run", &|it| {
+        rounded(it).filter(|version| (1..=VERSION).contains(version))
     })?;
-    let ended = file.optional_number("ended_us")?;
+    let motors = field(file, "motors", &|it| rows(it, &named_motor))?;
+    let ended = field(file, "ended_us", &|it| optional(it, real).ok())?;
     let at = Instant::from_micros(micros(ended.unwrap_or_default()));
     let first = motors.first().map_or(MotorId::FIRST, |(id, _)| *id);
-    let outcome = outcome(&file.text("outcome")?, at, first);
+    let truth = |it: &RawJsonValue<'_, '_>| it.as_boolean_str().ok()?.parse::<bool>().ok();
     let header = RunHeader {
-        number: crate::number::whole(file.number("number")?),
-        name: file.text("name")?,
-        study: file.inner("study")?,
+        outcome: field(file, "outcome", &|it| {
+            outcome_names::read(&string(it)?, at, first)
+        })?,
+        number: field(file, "number", &rounded)?,
+        name: field(file, "name", &string)?,
+        study: field(file, "study", &inner)?,
         motors,
-        model: file.text("model")?,
-        setup: file.inner("setup")?,
-        page_version: file.text("page_version")?,
-        began_unix_ms: file.number_in("began_unix_ms", 0.0..=UNIX_MS_MAX)?,
-        began: file.bool("is_started")?.then_some(began),
-        request_hz: file.number_in("request_hz", 0.0..=HZ_MAX)?,
-        outcome: outcome.ok_or(JsonError { place: "outcome" })?,
+        model: field(file, "model", &string)?,
+        setup: field(file, "setup", &inner)?,
+        page_version: field(file, "page_version", &string)?,
+        began_unix_ms: field(file, "began_unix_ms", &|it| up_to(UNIX_MS_MAX, it))?,
+        began: field(file, "is_started", &truth)?.then_some(Instant::ZERO),
+        request_hz: field(file, "request_hz", &|it| up_to(HZ_MAX, it))?,
         bytes: u32::try_from(text.len()).unwrap_or(u32::MAX),
     };
     let part = RecordPart {
-        samples: file.rows("samples", sample)?,
-        sent: file.rows("sent", sent)?,
-        marks: file.rows("marks", |row| {
-            Some(Mark {
-                at: Instant::from_micros(micros(real(&cell(row, 0)?)?)),
-                step: usize::try_from(crate::number::whole(real(&cell(row, 1)?)?)).ok()?,
-            })
-        })?,
+        samples: field(file, "samples", &|it| rows(it, &sample))?,
+        sent: field(file, "sent", &|it| rows(it, &sent))?,
+        marks: field(file, "marks", &|it| rows(it, &mark))?,
     };
     check(&header, &part)?;
     let mut record = header.record();
@@ -255,114 +190,47 @@ fn check(header: &RunHeader, part: &RecordPart) -> Result<()> {
     }
 }
 
-fn outcome(name: &str, at: Instant, id: MotorId) -> Option<Outcome> {
-    use crate::runner::ExceededLimit;
-    use motorlink_protocol::Mode;
-    let causes = [
-        Cause::Stopped,
-        Cause::Driven(id),
-        Cause::Fault(id, Faults::NONE),
-        Cause::Silent(id),
-        Cause::Limit(id, ExceededLimit::OfBus),
-        Cause::OtherLoop(id, Mode::Velocity),
-        Cause::Refused(id),
-        Cause::Unplugged,
-        Cause::TabClosed,
-        Cause::PageSilent,
-        Cause::OperatorLost,
-        Cause::FocusLost,
-        Cause::Slept,
-        Cause::Late,
-        Cause::WaitTimedOut { step: 0 },
-        Cause::PausedTooLong,
-        Cause::PortClosed,
-        Cause::Scan,
-        Cause::OtherModel,
-        Cause::LeftDriven,
-        Cause::ProgramFailed,
-    ];
-    match name {
-        // Nothing runs in a file.
-        "running" | "page_closed" => Some(Outcome::PageClosed),
-        "finished" => Some(Outcome::Ended(End::Finished { at })),
-        _ => {
-            let cause = causes.into_iter().find(|it| cause_name(*it) == name)?;
-            Some(Outcome::Ended(End::Aborted { cause, at }))
-        }
-    }
+/// What `read` makes of this field.
+fn field<T>(
+    file: RawJsonValue<'_, '_>,
+    place: &'static str,
+    read: &dyn Fn(&RawJsonValue<'_, '_>) -> Option<T>,
+) -> Result<T> {
+    let member = file.to_member(place).ok();
+    let value = member.and_then(RawJsonMember::optional);
+    value.as_ref().and_then(read).ok_or(JsonError { place })
 }
 
-struct File<'a>(RawJsonValue<'a, 'a>);
-
-impl<'a> File<'a> {
-    fn get(&self, place: &'static str) -> Result<RawJsonValue<'a, 'a>> {
-        let member = self.0.to_member(place).ok();
-        let value = member.and_then(nojson::RawJsonMember::optional);
-        value.ok_or(JsonError { place })
-    }
-
-    fn number(&self, place: &'static str) -> Result<f64> {
-        real(&self.get(place)?).ok_or(JsonError { place })
-    }
-
-    fn number_in(&self, place: &'static str, range: RangeInclusive<f64>) -> Result<f64> {
-        let number = self.number(place)?;
-        let fits = range.contains(&number);
-        fits.then_some(number).ok_or(JsonError { place })
-    }
-
-    fn optional_number(&self, place: &'static str) -> Result<Option<f64>> {
-        let value = self.get(place)?;
-        if value.kind().is_null() {
-            return Ok(None);
-        }
-        real(&value).map(Some).ok_or(JsonError { place })
-    }
-
-    fn text(&self, place: &'static str) -> Result<String> {
-        string(&self.get(place)?).ok_or(JsonError { place })
-    }
-
-    /// The text of an [`Inner`].
-    fn inner(&self, place: &'static str) -> Result<String> {
-        let value = self.get(place)?;
-        if value.kind().is_object() {
-            Ok(value.as_raw_str().to_owned())
-        } else {
-            self.text(place)
-        }
-    }
-
-    fn bool(&self, place: &'static str) -> Result<bool> {
-        match self.get(place)?.as_raw_str() {
-            "true" => Ok(true),
-            "false" => Ok(false),
-            _ => Err(JsonError { place }),
-        }
-    }
-
-    fn rows<T>(
-        &self,
-        place: &'static str,
-        read: impl Fn(&[RawJsonValue<'a, 'a>]) -> Option<T>,
-    ) -> Result<Vec<T>> {
-        let error = JsonError { place };
-        let rows = self.get(place)?.to_array().map_err(|_| error.clone())?;
-        let row = |row: RawJsonValue<'a, 'a>| {
-            let cells: Vec<_> = row.to_array().ok()?.collect();
-            read(&cells)
-        };
-        rows.map(row).collect::<Option<Vec<T>>>().ok_or(error)
-    }
+/// What `read` makes of the cells of each row.
+fn rows<T>(
+    rows: &RawJsonValue<'_, '_>,
+    read: &dyn Fn(&[RawJsonValue<'_, '_>]) -> Option<T>,
+) -> Option<Vec<T>> {
+    let row = |row: RawJsonValue<'_, '_>| read(&row.to_array().ok()?.collect::<Vec<_>>());
+    rows.to_array().ok()?.map(row).collect()
 }
 
-fn cell<'a>(row: &[RawJsonValue<'a, 'a>], place: usize) -> Option<RawJsonValue<'a, 'a>> {
-    row.get(place).copied()
+/// The text of an [`Inner`].
+fn inner(value: &RawJsonValue<'_, '_>) -> Option<String> {
+    if value.kind().is_object() {
+        Some(value.as_raw_str().to_owned())
+    } else {
+        string(value)
+    }
 }
 
 fn real(value: &RawJsonValue<'_, '_>) -> Option<f64> {
     let number = value.as_number_str().ok()?.parse::<f64>().ok()?;
     number.is_finite().then_some(number)
+}
+
+fn rounded(value: &RawJsonValue<'_, '_>) -> Option<u32> {
+    real(value).map(crate::number::whole)
+}
+
+/// From 0 up to this number.
+fn up_to(max: f64, value: &RawJsonValue<'_, '_>) -> Option<f64> {
+    real(value).filter(|number| (0.0..=max).contains(number))
 }
 
 fn string(value: &RawJsonValue<'_, '_>) -> Option<String> {
@@ -398,6 +266,10 @@ fn optional<T>(
     read(value).map(Some).ok_or(JsonError { place: "samples" })
 }
 
+fn named_motor(row: &[RawJsonValue<'_, '_>]) -> Option<(MotorId, String)> {
+    Some((motor(row.first()?)?, string(row.get(1)?)?))
+}
+
 #[allow(
     clippy::cast_possible_truncation,
     reason = "the shortest text of an `f32` gives the same `f32` again"
@@ -424,5 +296,12 @@ fn sent(row: &[RawJsonValue<'_, '_>]) -> Option<SentSetpoint> {
         id: motor(id)?,
         at: Instant::from_micros(whole(at)?),
         setpoint: of_parts(&string(unit)?, whole(value)?, whole(acceleration)?)?,
+    })
+}
+
+fn mark(row: &[RawJsonValue<'_, '_>]) -> Option<Mark> {
+    Some(Mark {
+        at: Instant::from_micros(micros(real(row.first()?)?)),
+        step: usize::try_from(rounded(row.get(1)?)?).ok()?,
     })
 }

@@ -5,11 +5,13 @@
 //! | `csv` | the record as a table |
 //! | `figures` | the figures of a run as a table |
 //! | `json` | the whole run as a file, and back |
+//! | `outcome_names` | the outcome of a run as a name in its file |
 //! | `report` | several runs as one HTML file |
 
 mod csv;
 mod figures;
 mod json;
+mod outcome_names;
 mod report;
 mod setpoint;
 
