@@ -11,37 +11,14 @@ use motorlink_messages::{bus::Command, protocol::MotorId};
 
 /// The command for the bus. Setpoints of a group already have the signs of the wire: see
 /// [`crate::features::groups::wheels::group_setpoints`].
-pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
-    match command {
-        Command::Start {
-            id,
-            setpoint,
-            consent,
-        } => Command::Start {
-            id,
-            setpoint: mirror(id).setpoint(setpoint),
-            consent,
-        },
-        Command::Drive {
-            id,
-            setpoint,
-            consent,
-        } => Command::Drive {
-            id,
-            setpoint: mirror(id).setpoint(setpoint),
-            consent,
-        },
-        Command::Adjust {
-            id,
-            setpoint,
-            consent,
-        } => Command::Adjust {
-            id,
-            setpoint: mirror(id).setpoint(setpoint),
-            consent,
-        },
-        other => other,
+pub(crate) fn to_wire(mut command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
+    if let Command::Start { id, setpoint, .. }
+    | Command::Drive { id, setpoint, .. }
+    | Command::Adjust { id, setpoint, .. } = &mut command
+    {
+        *setpoint = mirror(*id).setpoint(*setpoint);
     }
+    command
 }
 
 #[cfg(test)]

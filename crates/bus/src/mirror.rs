@@ -3,7 +3,7 @@
 //!
 //! The bus itself has the signs of the wire.
 
-use motorlink_protocol::{Current, CurrentTarget, Rpm, Setpoint, SpeedTarget};
+use motorlink_protocol::{Current, Rpm, Setpoint};
 
 use crate::motor_status::Activity;
 
@@ -45,23 +45,9 @@ impl Mirror {
     /// A setpoint. Angles and the brake do not change.
     #[must_use]
     pub fn setpoint(self, setpoint: Setpoint) -> Setpoint {
-        match (self, setpoint) {
-            (
-                Self::Mirrored,
-                Setpoint::Velocity {
-                    speed,
-                    acceleration,
-                },
-            ) => Setpoint::Velocity {
-                speed: SpeedTarget::clamped(-i32::from(speed.rpm())),
-                acceleration,
-            },
-            // The range is symmetric, so the result is in range.
-            (Self::Mirrored, Setpoint::Current(target)) => {
-                Setpoint::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
-            }
-            (Self::Mirrored, Setpoint::OpenLoop(target)) => Setpoint::OpenLoop(target.reversed()),
-            (_, setpoint) => setpoint,
+        match self {
+            Self::Straight => setpoint,
+            Self::Mirrored => setpoint.reversed(),
         }
     }
 
@@ -79,7 +65,7 @@ impl Mirror {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::{Acceleration, PositionTarget};
+    use motorlink_protocol::{Acceleration, CurrentTarget, PositionTarget, SpeedTarget};
 
     use super::*;
     use crate::safety::needs_consent;

@@ -44,97 +44,41 @@ fn with_an_echo_from_the_start(actions: Vec<Action>) -> Vec<Action> {
 }
 
 /// The same action for motors of this model. `is_open` if the open loop takes the place of the current loop.
-fn action_for(model: Model, is_open: bool, action: Action) -> Action {
-    match action {
-        Action::Command(given) => Action::Command(command_for(model, is_open, given)),
-        Action::WorkerAbsent {
-            cause,
-            duration,
-            pending,
-        } => {
-            let of_model = |input| match input {
-                PendingInput::Command {
-                    command: given,
-                    age,
-                } => PendingInput::Command {
-                    command: command_for(model, is_open, given),
-                    age,
-                },
-                other => other,
-            };
-            Action::WorkerAbsent {
-                cause,
-                duration,
-                pending: pending.into_iter().map(of_model).collect(),
+fn action_for(model: Model, is_open: bool, mut action: Action) -> Action {
+    match &mut action {
+        Action::Command(given) => *given = command_for(model, is_open, *given),
+        Action::WorkerAbsent { pending, .. } => {
+            for input in pending {
+                if let PendingInput::Command { command, .. } = input {
+                    *command = command_for(model, is_open, *command);
+                }
             }
         }
-        other => other,
+        _ => {}
     }
+    action
 }
 
 /// The same command for motors of this model.
-pub(crate) fn command_for(model: Model, is_open: bool, given: Command) -> Command {
-    match given {
-        Command::Start {
-            id,
-            setpoint: asked,
-            consent,
-        } => Command::Start {
-            id,
-            setpoint: setpoint(model, is_open, asked),
-            consent,
-        },
-        Command::Drive {
-            id,
-            setpoint: asked,
-            consent,
-        } => Command::Drive {
-            id,
-            setpoint: setpoint(model, is_open, asked),
-            consent,
-        },
-        Command::Adjust {
-            id,
-            setpoint: asked,
-            consent,
-        } => Command::Adjust {
-            id,
-            setpoint: setpoint(model, is_open, asked),
-            consent,
-        },
-        Command::StartGroup { setpoints, consent } => Command::StartGroup {
-            setpoints: group(model, is_open, setpoints),
-            consent,
-        },
-        Command::DriveGroup { setpoints, consent } => Command::DriveGroup {
-            setpoints: group(model, is_open, setpoints),
-            consent,
-        },
-        Command::AdjustGroup { setpoints, consent } => Command::AdjustGroup {
-            setpoints: group(model, is_open, setpoints),
-            consent,
-        },
-        Command::SwitchMode { id, mode: asked } => Command::SwitchMode {
-            id,
-            mode: mode(is_open, asked),
-        },
-        Command::SendRaw {
-            frame: drawn,
-            repeat,
-            consent,
-        } => Command::SendRaw {
-            frame: frame(model, is_open, drawn),
-            repeat,
-            consent,
-        },
-        other => other,
+pub(crate) fn command_for(model: Model, is_open: bool, mut given: Command) -> Command {
+    match &mut given {
+        Command::Start { setpoint, .. }
+        | Command::Drive { setpoint, .. }
+        | Command::Adjust { setpoint, .. } => *setpoint = setpoint_for(model, is_open, *setpoint),
+        Command::StartGroup { setpoints, .. }
+        | Command::DriveGroup { setpoints, .. }
+        | Command::AdjustGroup { setpoints, .. } => *setpoints = group(model, is_open, *setpoints),
+        Command::SwitchMode { mode: asked, .. } => *asked = mode(is_open, *asked),
+        Command::SendRaw { frame: drawn, .. } => *drawn = frame(model, is_open, *drawn),
+        _ => {}
     }
+    given
 }
 
 fn group(model: Model, is_open: bool, setpoints: GroupSetpoints) -> GroupSetpoints {
     let entries = setpoints.entries();
     let entries: Vec<_> = entries
-        .map(|(id, asked)| (id, setpoint(model, is_open, asked)))
+        .map(|(id, asked)| (id, setpoint_for(model, is_open, asked)))
         .collect();
     GroupSetpoints::new(&entries).unwrap_or(setpoints)
 }
@@ -148,7 +92,7 @@ fn mode(is_open: bool, asked: Mode) -> Mode {
     }
 }
 
-fn setpoint(model: Model, is_open: bool, asked: Setpoint) -> Setpoint {
+fn setpoint_for(model: Model, is_open: bool, asked: Setpoint) -> Setpoint {
     let rpm_max = i32::from(model.spec().speed_rpm_max);
     match asked {
         Setpoint::Velocity {

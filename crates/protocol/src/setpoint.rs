@@ -52,6 +52,27 @@ impl Setpoint {
             Self::OpenLoop(_) => Mode::OpenLoop,
         }
     }
+
+    /// The setpoint of a motor that is mounted mirrored: the opposite sign of speed, current and share of the supply.
+    /// Angles and the brake do not change.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Velocity {
+                speed,
+                acceleration,
+            } => Self::Velocity {
+                speed: SpeedTarget::clamped(-i32::from(speed.rpm())),
+                acceleration,
+            },
+            // The range is symmetric, so the result is in range.
+            Self::Current(target) => {
+                Self::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
+            }
+            Self::OpenLoop(target) => Self::OpenLoop(target.reversed()),
+            Self::Brake | Self::Position(_) => self,
+        }
+    }
 }
 
 /// `+100 rpm`, `brake`, `+0.488 A`, `90.00°`

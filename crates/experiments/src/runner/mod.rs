@@ -25,7 +25,6 @@ pub use watch::Telemetry;
 
 use crate::plan::{Plan, PlanMotor};
 use cursor::{Cursor, Progress};
-use mirror::reversed;
 use watch::Watch;
 
 /// Maximal time between arming and the start, so that the user has just read what will move.
@@ -274,9 +273,8 @@ impl Runner {
     /// The port has taken the drive frame of a setpoint of the last tick, at this time.
     pub fn sent(&mut self, at: Instant, id: MotorId, setpoint: Setpoint) {
         if matches!(self.state, State::Running(_) | State::Paused { .. }) {
-            let mirrored = self.is_mirrored(id);
-            let setpoint = if mirrored {
-                reversed(setpoint)
+            let setpoint = if self.is_mirrored(id) {
+                setpoint.reversed()
             } else {
                 setpoint
             };
@@ -384,7 +382,7 @@ impl Runner {
 fn pairs(motors: &[PlanMotor], setpoints: &[Setpoint]) -> Vec<(MotorId, Setpoint)> {
     let of_motor = |(motor, setpoint): (&PlanMotor, &Setpoint)| {
         let sent = if motor.mirrored {
-            reversed(*setpoint)
+            setpoint.reversed()
         } else {
             *setpoint
         };
