@@ -77,7 +77,7 @@ const PARTS: [Part; 19] = [
     // correlated noise, read the CSV files of spreadsheets, and describe a robot of any number of wheels. 16,000 say what
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording.
-    ("experiments", ASKED, &["experiments"], 278_300),
+    ("experiments", ASKED, &["experiments"], 277_700),
     ("help", BEHIND, &["help.", "help-"], 8_400),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
@@ -106,7 +106,7 @@ const PARTS: [Part; 19] = [
     // port worker sends. 7,700 are the motion of a rover as messages of ROS, with its odometry, and states without the replies
     // that frames tell. 100 read the setpoint that waits for a stop or a switch. Like the recorder it knows every English
     // message: 300. The folder in which it is compiled changes its size by 300.
-    ("session worker", ASKED, &["sessions-"], 247_500),
+    ("session worker", ASKED, &["sessions-"], 247_800),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
     ("runs", ASKED, &["runs-"], 83_900),
     // The worker of a page that comes from `motorlink serve`, which alone sends it: the WebSocket and the messages.
