@@ -192,12 +192,15 @@ async fn titles_name_the_selected_motor_where_there_are_several() {
     };
     bench.until("the motor", || all_are("0x01")).await;
     let name = edit(&bench, true).await;
-    name.set_value("Starboard");
+    name.set_value("Port bow");
     bench.click("Save");
-    let chip = || bench.find_all("button", "Motor 0x02, Starboard");
+    let chip = || bench.find_all("button", "Motor 0x02, Port bow");
     bench.until("the name", || chip().len() == 1).await;
     chip().remove(0).click();
-    bench.until("the other", || all_are("0x02 Starboard")).await;
+    // The name does not wrap.
+    bench
+        .until("the other", || all_are("0x02 Port\u{A0}bow"))
+        .await;
     report(&bench, |update| update.motors = vec![standing(2)]);
     bench.until("no title", || all_are("")).await;
     motorlink::Preferences::default().save();

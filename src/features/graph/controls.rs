@@ -48,7 +48,13 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
         <div class="graph-head">
             <h2>
                 {tr!("Speed and current")} " "
-                <span class="graph-of quiet">{dynamic(move || legend::title(chart))}</span>
+                // The name is shown whole or not at all.
+                <span class="graph-of quiet">
+                    {dynamic(move || {
+                        let title = legend::title(chart);
+                        title.replace(' ', "\u{A0}").replacen('\u{A0}', " ", 1)
+                    })}
+                </span>
             </h2>
             // The help says between which scales sources disagree.
             <button

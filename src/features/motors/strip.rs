@@ -81,10 +81,11 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
     effect(move || {
         let id = page.selected.get();
         let is_one_of_many = found.with(|found| found.len() > 1);
+        // A name is shown whole or not at all: the first word of it may be that of another motor.
         let title = page
             .motors
             .names
-            .with(|names| format!("{id} {}", names.name(id)));
+            .with(|names| format!("{id} {}", names.name(id).replace(' ', "\u{A0}")));
         // The words of the wheel follow its ID. A name would lie over the ring.
         let [title, id] = if is_one_of_many {
             [title.trim_end(), &format!("{id} · ")]
