@@ -1,10 +1,12 @@
 //! The session files that the server has written, for the browser to save. The page replays them.
 
+#[cfg(unix)]
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::{
     fmt::Write as _,
-    fs::{self, File},
+    fs::{self, File, OpenOptions},
     io,
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 use axum::{
@@ -75,17 +77,28 @@ fn is_name(name: &str) -> bool {
     name.ends_with(ENDING) && !name.starts_with('.') && name.bytes().all(is_plain)
 }
 
+/// Opens a file to read it. A link leads elsewhere, and a pipe waits. Without such flags, a link is looked for first.
+fn open(path: &Path) -> io::Result<File> {
+    let is_link = cfg!(not(unix)) && fs::symlink_metadata(path)?.is_symlink();
+    let mut options = OpenOptions::new();
+    #[cfg(unix)]
+    {
+        let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
+        options.custom_flags(flags.bits().cast_signed());
+    }
+    let file = options.read(true).open(path)?;
+    if is_link || !file.metadata()?.is_file() {
+        return Err(io::ErrorKind::NotFound.into());
+    }
+    Ok(file)
+}
+
 /// The file as it is now. One that is still being written has no end yet, and can be read nevertheless.
 fn file(folder: &Path, name: &str) -> io::Result<Response> {
     if !is_name(name) {
         return Err(io::ErrorKind::NotFound.into());
     }
-    let path: PathBuf = folder.join(name);
-    // A link leads elsewhere.
-    if !fs::symlink_metadata(&path)?.is_file() {
-        return Err(io::ErrorKind::NotFound.into());
-    }
-    let file = tokio::fs::File::from_std(File::open(path)?);
+    let file = tokio::fs::File::from_std(open(&folder.join(name))?);
     let pieces = stream::try_unfold(file, async |mut file| {
         let mut piece = vec![0; PIECE];
         let length = file.read(&mut piece).await?;
@@ -106,6 +119,13 @@ fn file(folder: &Path, name: &str) -> io::Result<Response> {
 
 #[cfg(test)]
 mod tests {
+    #[cfg(unix)]
+    use std::{
+        os::unix::fs::symlink,
+        sync::atomic::{AtomicBool, Ordering},
+        thread,
+    };
+
     use super::*;
 
     #[test]
@@ -122,5 +142,39 @@ mod tests {
         ] {
             assert!(!is_name(name), "{name}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_takes_the_place_of_a_session_is_never_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let is_over = AtomicBool::new(false);
+        fs::write(path("token"), "secret").unwrap();
+        fs::write(path("session"), "").unwrap();
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_over.load(Ordering::SeqCst) {
+                    fs::hard_link(path("session"), path("new")).unwrap();
+                    fs::rename(path("new"), path("a.mcap")).unwrap();
+                    symlink(path("token"), path("new")).unwrap();
+                    fs::rename(path("new"), path("a.mcap")).unwrap();
+                }
+            });
+            let attempts = (0..1_000_000).map(|_| open(&path("a.mcap")));
+            let read = attempts.flatten().map(io::read_to_string).take(3_000);
+            let is_followed = read.map(Result::unwrap).any(|text| text == "secret");
+            is_over.store(true, Ordering::SeqCst);
+            assert!(!is_followed);
+        });
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pipe_in_the_place_of_a_session_is_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        rustix::fs::mkfifoat(rustix::fs::CWD, &path, 0o600.into()).unwrap();
+        assert!(open(&path).is_err());
     }
 }
