@@ -19,7 +19,7 @@ use crate::viewers::{Outgoing, Viewers, encoded};
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
 /// Messages of a page in a second: fifty answers, and two sliders at 60 Hz, of several seconds that a network has held back.
-const RATE_MAX: u32 = 1_000;
+pub(crate) const RATE_MAX: u32 = 1_000;
 /// How long a message may take to leave. A page that takes nothing for so long has gone.
 pub(crate) const SEND_MAX: Duration = Duration::from_secs(5);
 /// A page answers several challenges a second. The network has gone if nothing comes for so long.
@@ -96,13 +96,13 @@ impl Default for Rate {
 }
 
 impl Rate {
-    /// Counts a message. Returns whether there are more than [`RATE_MAX`] in this second.
-    pub(crate) fn is_too_high(&mut self) -> bool {
+    /// Counts a message. Returns whether there are more than `max` in this second.
+    pub(crate) fn is_above(&mut self, max: u32) -> bool {
         if self.since.elapsed() >= Duration::from_secs(1) {
             *self = Self::default();
         }
         self.messages += 1;
-        self.messages > RATE_MAX
+        self.messages > max
     }
 }
 
@@ -118,7 +118,7 @@ async fn receive(
         let Ok(Some(Ok(message))) = next else {
             return Ok(());
         };
-        if rate.is_too_high() {
+        if rate.is_above(RATE_MAX) {
             return Err("it sends too much");
         }
         match message {

@@ -1,10 +1,6 @@
 //! The connection of one client.
 
-use std::{
-    io,
-    sync::Arc,
-    time::{Duration, Instant as Moment},
-};
+use std::{io, sync::Arc, time::Duration};
 
 use motorlink_bus::Activity;
 use motorlink_controller_messages::{
@@ -29,7 +25,10 @@ use super::{
     refusal::{PATIENCE, refuse},
     text,
 };
-use crate::viewers::{Own, Viewers};
+use crate::{
+    socket::Rate,
+    viewers::{Own, Viewers},
+};
 
 /// The shortest time between two states, and the longest.
 const STATE_MIN: Duration = Duration::from_millis(1);
@@ -141,13 +140,9 @@ async fn receive(
     viewer: ViewerId,
 ) -> Result<(), Refusal> {
     let mut bytes = [0; FROM_CLIENT];
-    let (mut since, mut count) = (Moment::now(), 0);
+    let mut rate = Rate::default();
     while read.read_exact(&mut bytes).await.is_ok() {
-        if since.elapsed() >= Duration::from_secs(1) {
-            (since, count) = (Moment::now(), 0);
-        }
-        count += 1;
-        if count > RATE_MAX {
+        if rate.is_above(RATE_MAX) {
             return Err(Refusal::Floods);
         }
         match decode_from_client(&bytes)? {

@@ -24,7 +24,7 @@ use super::{
     clients::{ClientId, Clients},
     protocol::SUBPROTOCOLS,
 };
-use crate::socket::{Close, Rate, SEND_MAX, close};
+use crate::socket::{Close, RATE_MAX, Rate, SEND_MAX, close};
 
 /// The longest message of a client: subscriptions to the channels of 254 motors at once have 20 kB.
 const MESSAGE_MAX: usize = 32 * 1024;
@@ -67,7 +67,7 @@ async fn serve(socket: WebSocket, clients: Clients) {
 async fn receive(mut stream: SplitStream<WebSocket>, clients: &Clients, id: ClientId) {
     let mut rate = Rate::default();
     while let Ok(Some(Ok(message))) = timeout(SILENCE_MAX, stream.next()).await {
-        if rate.is_too_high() {
+        if rate.is_above(RATE_MAX) {
             return;
         }
         match message {
