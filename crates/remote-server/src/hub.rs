@@ -102,8 +102,8 @@ impl Hub {
             if !self.traffic.is_empty() && now >= self.traffic_sent + TRAFFIC_EVERY {
                 self.send_traffic(now);
             }
-            let notices = self.viewers.take_notices();
-            if self.viewers.take_has_new() || !notices.is_empty() || self.is_state_due(now) {
+            let (is_awaited, notices) = self.viewers.take_news();
+            if is_awaited || !notices.is_empty() || self.is_state_due(now) {
                 self.send_state(driver, notices);
             }
         } else {

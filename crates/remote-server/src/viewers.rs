@@ -6,7 +6,7 @@ mod controlling;
 
 use std::{
     collections::BTreeMap,
-    io,
+    io, mem,
     net::IpAddr,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread,
@@ -56,6 +56,7 @@ struct Shared {
     line: watch::Sender<Arc<Line>>,
 }
 
+#[derive(Debug)]
 struct State {
     control: Control,
     clock: Clock,
@@ -78,14 +79,7 @@ struct State {
     driver_ahead_us: i64,
 }
 
-impl std::fmt::Debug for State {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("State")
-            .field("pages", &self.pages.len())
-            .finish_non_exhaustive()
-    }
-}
-
+#[derive(Debug)]
 struct Page {
     address: IpAddr,
     queue: mpsc::Sender<Bytes>,
@@ -166,11 +160,10 @@ impl Viewers {
         let viewer = state.control.join(now, Participant::Page)?;
         let (queue, own) = mpsc::channel(QUEUE);
         let updates = self.0.updates.subscribe();
-        let hello = FromServer::Hello {
-            now: driver_time(now, state.driver_ahead_us),
-        };
+        let now_us = now.as_micros().saturating_add_signed(state.driver_ahead_us);
+        let now = Instant::from_micros(now_us);
         state.pages.insert(viewer, Page { address, queue });
-        state.send(viewer, &hello);
+        state.send(viewer, &FromServer::Hello { now });
         state.has_new = true;
         state.tell_control_to(viewer);
         Some((viewer, Outgoing { own, updates }))
@@ -237,14 +230,10 @@ impl Viewers {
         next.map_or(Duration::MAX, |at| at.since(now))
     }
 
-    /// Whether a page has come since the last call and waits for the first state.
-    pub(crate) fn take_has_new(&self) -> bool {
-        std::mem::take(&mut self.state().has_new)
-    }
-
-    /// The notices for single pages.
-    pub(crate) fn take_notices(&self) -> BTreeMap<ViewerId, Vec<Notice>> {
-        std::mem::take(&mut self.state().notices)
+    /// Whether a page has waited for a state since the last call, and the notices for single pages.
+    pub(crate) fn take_news(&self) -> (bool, BTreeMap<ViewerId, Vec<Notice>>) {
+        let mut state = self.state();
+        (mem::take(&mut state.has_new), mem::take(&mut state.notices))
     }
 
     /// Keeps a notice for the pages that may have given a command that was not carried out: the operator, and who has
@@ -274,7 +263,7 @@ impl Viewers {
     /// The lines for the log of the server since the last call.
     #[must_use]
     pub fn take_log(&self) -> Vec<String> {
-        std::mem::take(&mut self.state().log)
+        mem::take(&mut self.state().log)
     }
 
     /// Sends a message to one page.
@@ -300,10 +289,6 @@ impl Viewers {
         let us = |at: Instant| i64::try_from(at.as_micros()).unwrap_or(i64::MAX);
         state.driver_ahead_us = us(at).saturating_sub(us(now));
     }
-}
-
-fn driver_time(now: Instant, ahead_us: i64) -> Instant {
-    Instant::from_micros(now.as_micros().saturating_add_signed(ahead_us))
 }
 
 /// A number that nobody guesses.
@@ -355,12 +340,16 @@ impl State {
     }
 
     fn named(&self, viewer: ViewerId) -> Option<Viewer> {
-        let page = self.pages.get(&viewer).map(|page| page.address.to_string());
-        let on_socket = || self.controllers.has(viewer).then(|| ON_SOCKET.to_owned());
-        Some(Viewer {
-            number: viewer.0,
-            address: page.or_else(on_socket)?,
-        })
+        let number = viewer.0;
+        let address = match self.pages.get(&viewer) {
+            Some(page) => page.address.to_string(),
+            None => self
+                .controllers
+                .list
+                .get(&viewer)
+                .map(|_| ON_SOCKET.to_owned())?,
+        };
+        Some(Viewer { number, address })
     }
 
     /// Keeps a notice for a page, unless it has many. A controller reads none.

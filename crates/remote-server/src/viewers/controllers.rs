@@ -25,6 +25,7 @@ pub(crate) struct Own {
 }
 
 /// The controllers, and what one of them drives.
+#[derive(Debug)]
 pub(super) struct Controllers {
     pub(super) list: BTreeMap<ViewerId, Controller>,
     /// How many drives have begun or ended. A status that was asked for before the newest change tells nothing of it.
@@ -38,6 +39,7 @@ pub(super) struct Controllers {
     rpm_max: u16,
 }
 
+#[derive(Debug)]
 pub(super) struct Controller {
     pub(super) own: watch::Sender<Own>,
     /// The number of its newest setpoints.
