@@ -10,7 +10,7 @@
 //! `/foxglove` tells other programs what happens on the line; nothing leads from it to the driver. Nor from `/fleet`, which
 //! shows other robots.
 //!
-//! [`motorlink_remote::Control`] decides who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
+//! [`motorlink_remote::Control`] and `viewers/operation.rs` decide who may drive, and [`Access`] who may connect. SECURITY.md has the threat model.
 
 #![cfg_attr(
     not(unix),

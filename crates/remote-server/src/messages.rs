@@ -7,10 +7,6 @@ use motorlink_messages::{ToWorker, decode, runs::ToRun};
 use motorlink_protocol::MotorId;
 use motorlink_remote::{Stamp, ToServer};
 
-/// The connection has broken the protocol and is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Garbage;
-
 /// The stops in a command that brings motors to rest in their loop: what is left of it for a page that may not drive, or
 /// when it comes late.
 pub(crate) fn stops_in(command: Command) -> Vec<Command> {
@@ -40,8 +36,8 @@ pub(crate) struct Act {
     pub(crate) age: Duration,
 }
 
-/// A message of a page, decoded.
-pub(crate) enum Message {
+/// What a page asks for.
+pub(crate) enum PageRequest {
     Answer {
         challenge: u64,
     },
@@ -56,12 +52,13 @@ pub(crate) enum Message {
     ForOwnComputer,
 }
 
-impl Message {
-    pub(crate) fn read(bytes: &[u8]) -> Result<Self, Garbage> {
-        let (act, message) = match decode(bytes).map_err(|_| Garbage)? {
-            ToServer::Answer { challenge } => return Ok(Self::Answer { challenge }),
-            ToServer::Take { by_force } => return Ok(Self::Take { by_force }),
-            ToServer::GiveUp => return Ok(Self::GiveUp),
+impl PageRequest {
+    /// Decodes a message of a page; `None` if it has broken the protocol.
+    pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
+        let (act, message) = match decode(bytes).ok()? {
+            ToServer::Answer { challenge } => return Some(Self::Answer { challenge }),
+            ToServer::Take { by_force } => return Some(Self::Take { by_force }),
+            ToServer::GiveUp => return Some(Self::GiveUp),
             ToServer::Act {
                 stamp,
                 age_ms,
@@ -71,10 +68,10 @@ impl Message {
                 (Act { stamp, age }, message)
             }
         };
-        Ok(match decode(&message).map_err(|_| Garbage)? {
+        Some(match decode(&message).ok()? {
             ToWorker::Command { command, .. } => Self::Command(act, command),
             ToWorker::Select(id) => Self::Select(act, id),
-            ToWorker::Run { message, .. } => Self::Run(act, decode(&message).map_err(|_| Garbage)?),
+            ToWorker::Run { message, .. } => Self::Run(act, decode(&message).ok()?),
             ToWorker::ConnectSerial { .. }
             | ToWorker::ConnectVirtual(_)
             | ToWorker::Disconnect

@@ -14,7 +14,10 @@ use futures_util::{Sink, SinkExt, StreamExt, stream::SplitStream};
 use motorlink_remote::{FromServer, ViewerId};
 use tokio::{sync::broadcast::error::RecvError, time::timeout};
 
-use crate::viewers::{Outgoing, Viewers, encoded};
+use crate::{
+    messages::PageRequest,
+    viewers::{Outgoing, Viewers, encoded},
+};
 
 /// The longest message of a page: a sequence of an experiment. It is a hundred times as long as any other.
 const MESSAGE_MAX: usize = 256 * 1024;
@@ -123,8 +126,9 @@ async fn receive(
         }
         match message {
             Message::Binary(bytes) => {
-                let received = viewers.received(viewer, &bytes);
-                received.map_err(|_| "its messages do not read")?;
+                // Before the lock: what one page sends delays no other.
+                let asks = PageRequest::read(&bytes).ok_or("its messages do not read")?;
+                viewers.operate(|operation, now| operation.page_asks(now, viewer, asks));
             }
             Message::Text(_) => return Err("its messages do not read"),
             Message::Close(_) => return Ok(()),

@@ -1,8 +1,6 @@
-//! The pages and controllers that are connected: who they are, who drives, and what is sent to them.
+//! The pages and controllers that are connected: who they are, and what is sent to them.
 
-mod acts;
-mod controllers;
-mod controlling;
+mod operation;
 
 use std::{
     collections::BTreeMap,
@@ -14,20 +12,15 @@ use std::{
 };
 
 use axum::body::Bytes;
-use motorlink_bus::{Command, StopReason};
-use motorlink_driver::{Clock, Commander};
+use motorlink_driver::{Clock, Commander, Driver, Status};
 use motorlink_messages::{Notice, encode};
 use motorlink_protocol::Instant;
-use motorlink_remote::{Control, Ended, FromServer, Participant, Taken, Viewer, ViewerId};
+use motorlink_remote::{FromServer, Participant, Viewer, ViewerId};
 use tokio::sync::{broadcast, mpsc, watch};
 
-use self::controllers::Controllers;
-pub(crate) use self::controllers::Own;
-use crate::{
-    control_socket::Line,
-    foxglove::Clients,
-    messages::{Garbage, Message},
-};
+use self::operation::Output;
+pub(crate) use self::operation::{DriveReport, Operation};
+use crate::{control_socket::Line, foxglove::Clients};
 
 /// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
 /// longer misses its challenges, and loses its lease.
@@ -35,8 +28,6 @@ const QUEUE: usize = 32;
 /// Updates that wait for the slowest page: one or two seconds of them. A page that takes longer misses some.
 const UPDATES: usize = 64;
 
-/// The driver refuses a command at once, and a busy computer needs longer.
-const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
 /// How often the lease is looked at.
 const LOOK_MAX: Duration = Duration::from_millis(10);
 const LOOK_MIN: Duration = Duration::from_millis(1);
@@ -58,17 +49,13 @@ struct Shared {
 
 #[derive(Debug)]
 struct State {
-    control: Control,
+    operation: Operation,
     clock: Clock,
     commander: Commander,
     pages: BTreeMap<ViewerId, Page>,
-    controllers: Controllers,
+    controllers: BTreeMap<ViewerId, watch::Sender<DriveReport>>,
     /// Notices for one page, which the hub sends with the state.
     notices: BTreeMap<ViewerId, Vec<Notice>>,
-    /// The pages without the lease that have stopped something lately, and when.
-    stopped: BTreeMap<ViewerId, Instant>,
-    /// Whether a person has stopped all motors, and nobody has released them since. A program does not.
-    is_stopped_by_person: bool,
     /// Lines for the log of the server.
     log: Vec<String>,
     /// Whether a page waits for a state.
@@ -106,14 +93,12 @@ impl Viewers {
     pub fn new(commander: Commander) -> io::Result<Self> {
         let (updates, _) = broadcast::channel(UPDATES);
         let state = State {
-            control: Control::default(),
+            operation: Operation::default(),
             clock: Clock::new(),
             commander,
             pages: BTreeMap::new(),
-            controllers: Controllers::default(),
+            controllers: BTreeMap::new(),
             notices: BTreeMap::new(),
-            stopped: BTreeMap::new(),
-            is_stopped_by_person: false,
             log: Vec::new(),
             has_new: false,
             told: (None, None),
@@ -148,6 +133,15 @@ impl Viewers {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Tells the operation what has happened, and carries out what follows.
+    pub(crate) fn operate<T>(&self, happens: impl FnOnce(&mut Operation, Instant) -> T) -> T {
+        let mut state = self.state();
+        let now = state.clock.now();
+        let done = happens(&mut state.operation, now);
+        state.carry_out();
+        done
+    }
+
     /// The clients that watch by Foxglove's protocol.
     pub(crate) fn foxglove(&self) -> Clients {
         self.0.foxglove.clone()
@@ -157,7 +151,7 @@ impl Viewers {
     pub(crate) fn join(&self, address: IpAddr) -> Option<(ViewerId, Outgoing)> {
         let mut state = self.state();
         let now = state.clock.now();
-        let viewer = state.control.join(now, Participant::Page)?;
+        let viewer = state.operation.join(now, Participant::Page)?;
         let (queue, own) = mpsc::channel(QUEUE);
         let updates = self.0.updates.subscribe();
         let now_us = now.as_micros().saturating_add_signed(state.driver_ahead_us);
@@ -169,65 +163,41 @@ impl Viewers {
         Some((viewer, Outgoing { own, updates }))
     }
 
+    /// A controller has connected. Returns nothing if there are too many.
+    pub(crate) fn join_controller(&self) -> Option<(ViewerId, watch::Receiver<DriveReport>)> {
+        let mut state = self.state();
+        let now = state.clock.now();
+        let viewer = state.operation.join(now, Participant::Controller)?;
+        let (told, reports) = watch::channel(DriveReport::default());
+        state.controllers.insert(viewer, told);
+        drop(state);
+        // Its first state has a challenge.
+        self.turn();
+        Some((viewer, reports))
+    }
+
     pub(crate) fn leave(&self, viewer: ViewerId) {
         let mut state = self.state();
         state.pages.remove(&viewer);
-        state.stopped.remove(&viewer);
-        let ended = state.control.leave(viewer);
-        state.stop_after(ended);
-        state.controllers.remove(viewer);
-        state.tell_control();
-    }
-
-    /// A message of a page.
-    pub(crate) fn received(&self, viewer: ViewerId, message: &[u8]) -> Result<(), Garbage> {
-        // Before the lock: what one page sends delays no other.
-        let message = Message::read(message)?;
-        let mut state = self.state();
-        let now = state.clock.now();
-        match message {
-            Message::Answer { challenge } => state.control.answer(now, viewer, challenge),
-            Message::Take { by_force } => {
-                if let Taken::Granted(ended) = state.control.take(now, viewer, by_force) {
-                    state.stop_after(ended);
-                }
-                // It may have missed that it holds the lease.
-                state.tell_control_to(viewer);
-                state.tell_control();
-            }
-            Message::GiveUp => {
-                let ended = state.control.give_up(viewer);
-                state.stop_after(ended);
-                state.tell_control();
-            }
-            Message::Command(act, command) => state.command(now, viewer, act, command),
-            Message::Select(act, id) => {
-                if state.control.act(now, viewer, act.stamp, false).is_ok() {
-                    state.commander.command(Command::Watch(id));
-                }
-            }
-            Message::Run(act, message) => state.run(now, viewer, act, message),
-            Message::ForOwnComputer => {}
+        let last = state.operation.leave(viewer);
+        if let Some((told, last)) = state.controllers.remove(&viewer).zip(last) {
+            told.send_replace(last);
         }
-        Ok(())
+        state.carry_out();
     }
 
     /// Ends a lease that was not renewed, and sends the challenges that are due. Returns how long to wait for the next call.
     pub(crate) fn turn(&self) -> Duration {
-        let mut state = self.state();
-        let now = state.clock.now();
-        if let Some(ended) = state.control.expire(now) {
-            state.stop_after(Some(ended));
-            state.tell_control();
-        }
         // A system without random numbers: no lease is renewed, and nobody drives.
-        for (viewer, challenge) in state.control.challenge(now, random) {
-            if !state.controllers.challenge(viewer, challenge) {
-                state.send(viewer, &FromServer::Challenge(challenge));
-            }
-        }
-        let next = state.control.next_turn();
-        next.map_or(Duration::MAX, |at| at.since(now))
+        self.operate(|operation, now| operation.turn(now, || getrandom::u64().ok()))
+    }
+
+    /// Asks the driver what it does, for the drives of controllers too. Nothing if it has ended or stalls.
+    pub(crate) fn ask(&self, driver: &Driver) -> Option<Status> {
+        let changes = self.operate(|operation, _| operation.changes());
+        let status = driver.status()?;
+        self.operate(|operation, _| operation.follow(changes, &status, driver.model()));
+        Some(status)
     }
 
     /// Whether a page has waited for a state since the last call, and the notices for single pages.
@@ -236,18 +206,11 @@ impl Viewers {
         (mem::take(&mut state.has_new), mem::take(&mut state.notices))
     }
 
-    /// Keeps a notice for the pages that may have given a command that was not carried out: the operator, and who has
-    /// stopped something within a second.
+    /// Keeps a notice for the pages that may have given a command that was not carried out.
     pub(crate) fn not_carried_out(&self, notice: &Notice) {
         let mut state = self.state();
         let now = state.clock.now();
-        state.stopped.retain(|_, at| *at + ANSWERED_WITHIN > now);
-        let operator = state.control.operator().map(|(holder, _)| holder);
-        let given: Vec<_> = operator
-            .into_iter()
-            .chain(state.stopped.keys().copied())
-            .collect();
-        for viewer in given {
+        for viewer in state.operation.may_have_commanded(now) {
             state.notice(viewer, notice.clone());
         }
     }
@@ -277,6 +240,22 @@ impl Viewers {
         let _ = self.0.updates.send(encoded(message));
     }
 
+    /// Who has control, as a text shows it.
+    pub(crate) fn operator_name(&self) -> String {
+        let state = self.state();
+        let operator = state.operation.control().operator();
+        let named = operator.and_then(|(holder, _)| state.named(holder));
+        named.map_or_else(
+            || "nobody".to_owned(),
+            |viewer| format!("viewer {} ({})", viewer.number, viewer.address),
+        )
+    }
+
+    /// The newest state of the line, for the clients of the socket.
+    pub(crate) fn line(&self) -> &watch::Sender<Arc<Line>> {
+        &self.0.line
+    }
+
     /// Whether a page is connected.
     pub(crate) fn are_there(&self) -> bool {
         self.0.updates.receiver_count() > 0
@@ -291,11 +270,6 @@ impl Viewers {
     }
 }
 
-/// A number that nobody guesses.
-fn random() -> Option<u64> {
-    getrandom::u64().ok()
-}
-
 impl State {
     fn send(&self, viewer: ViewerId, message: &FromServer) {
         if let Some(page) = self.pages.get(&viewer) {
@@ -304,37 +278,44 @@ impl State {
         }
     }
 
-    /// Stops what a lease drove that has ended.
-    fn stop_after(&mut self, ended: Option<Ended>) {
-        if let Some(why) = ended {
-            let stop = Command::StopAll(StopReason::OperatorLost);
-            self.commander.command(stop);
-            self.controllers.lease_ended(why);
+    /// Carries out what the operation has decided, the commands for the driver first.
+    fn carry_out(&mut self) {
+        for output in mem::take(&mut self.operation.outputs) {
+            match output {
+                Output::Command(command) => self.commander.command(command),
+                Output::Run(message) => self.commander.run(message),
+                Output::Challenge(viewer, challenge) => {
+                    self.send(viewer, &FromServer::Challenge(challenge));
+                }
+                Output::TellControl(viewer) => self.tell_control_to(viewer),
+                Output::Notice(viewer, notice) => self.notice(viewer, notice),
+            }
         }
-    }
-
-    /// Tells every page who drives, if that has changed.
-    fn tell_control(&mut self) {
-        let newest = (self.control.operator(), self.control.asks());
+        let control = self.operation.control();
+        let newest = (control.operator(), control.asks());
         if self.told != newest {
             self.told = newest;
             self.has_new = true;
             for viewer in self.pages.keys() {
                 self.tell_control_to(*viewer);
             }
-            let operator = newest.0.map(|(holder, _)| holder);
-            self.controllers.tell_operator(operator);
+        }
+        for (viewer, told) in &self.controllers {
+            if let Some(newest) = self.operation.report(*viewer) {
+                told.send_if_modified(|report| mem::replace(report, newest) != *report);
+            }
         }
     }
 
     fn tell_control_to(&self, viewer: ViewerId) {
-        let operator = self.control.operator();
+        let control = self.operation.control();
+        let operator = control.operator();
         let epoch = operator.filter(|(holder, _)| *holder == viewer);
         let message = FromServer::Control {
             epoch: epoch.map(|(_, epoch)| epoch),
             you: viewer.0,
             operator: operator.and_then(|(holder, _)| self.named(holder)),
-            asks: self.control.asks().and_then(|asks| self.named(asks)),
+            asks: control.asks().and_then(|asks| self.named(asks)),
         };
         self.send(viewer, &message);
     }
@@ -345,7 +326,6 @@ impl State {
             Some(page) => page.address.to_string(),
             None => self
                 .controllers
-                .list
                 .get(&viewer)
                 .map(|_| ON_SOCKET.to_owned())?,
         };

@@ -4,8 +4,8 @@ use std::{io, sync::Arc, time::Duration};
 
 use motorlink_bus::Activity;
 use motorlink_controller_messages::{
-    self as messages, FROM_CLIENT, FromClient, Holder, MAGIC, MOTORS_MAX, Refusal, check_hello,
-    decode_from_client, encode_error, encode_state, server_hello,
+    self as messages, FROM_CLIENT, MAGIC, MOTORS_MAX, Refusal, check_hello, decode_from_client,
+    encode_error, encode_state, server_hello,
 };
 use motorlink_protocol::{Faults, Instant};
 use motorlink_remote::ViewerId;
@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     socket::Rate,
-    viewers::{Own, Viewers},
+    viewers::{DriveReport, Viewers},
 };
 
 /// The shortest time between two states, and the longest.
@@ -35,12 +35,6 @@ const STATE_MIN: Duration = Duration::from_millis(1);
 const STATE_MAX: Duration = Duration::from_millis(10);
 /// Messages of a client in a second: twice those of the fastest controller.
 const RATE_MAX: u32 = 2_000;
-
-/// What the states of a client are made from.
-pub(super) struct Told {
-    pub(super) own: watch::Receiver<Own>,
-    pub(super) line: watch::Receiver<Arc<Line>>,
-}
 
 /// Serves a client until it goes. `has_place`: false if too many are connected, which it is told.
 pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool) {
@@ -63,10 +57,7 @@ pub(super) async fn serve(stream: UnixStream, viewers: Viewers, has_place: bool)
     let greeted = greet(magic, &mut read, &mut write, has_place).await;
     let joined = greeted.and_then(|()| viewers.join_controller().ok_or(Refusal::TooMany));
     match joined {
-        Ok((viewer, own)) => {
-            let line = viewers.line();
-            talk(read, write, &viewers, viewer, Told { own, line }).await;
-        }
+        Ok(joined) => talk(read, write, &viewers, joined).await,
         Err(wrong) => {
             viewers.log(format!("a client of the socket was refused: {wrong}"));
             refuse(read, write, &encode_error(wrong)).await;
@@ -98,8 +89,7 @@ async fn talk(
     read: OwnedReadHalf,
     write: OwnedWriteHalf,
     viewers: &Viewers,
-    viewer: ViewerId,
-    told: Told,
+    (viewer, reports): (ViewerId, watch::Receiver<DriveReport>),
 ) {
     // However this function ends.
     let _leaves = Leaves { viewers, viewer };
@@ -113,7 +103,8 @@ async fn talk(
             let _ = end.send(wrong);
         }
     };
-    let mut sending = Box::pin(send(write, viewer, told, ended));
+    let line = viewers.line().subscribe();
+    let mut sending = Box::pin(send(write, reports, line, ended));
     tokio::select! {
         () = &mut sending => return,
         () = receiving => {}
@@ -145,11 +136,8 @@ async fn receive(
         if rate.is_above(RATE_MAX) {
             return Err(Refusal::Floods);
         }
-        match decode_from_client(&bytes)? {
-            FromClient::Arm(order) => viewers.arm(viewer, &order),
-            FromClient::Setpoints(order) => viewers.setpoints(viewer, &order),
-            FromClient::Disarm => viewers.disarm(viewer),
-        }
+        let asks = decode_from_client(&bytes)?;
+        viewers.operate(|operation, now| operation.controller_asks(now, viewer, &asks));
     }
     Ok(())
 }
@@ -157,22 +145,22 @@ async fn receive(
 /// Sends the newest state until the client goes, takes nothing, or has done something wrong.
 async fn send(
     mut write: OwnedWriteHalf,
-    viewer: ViewerId,
-    mut told: Told,
+    mut reports: watch::Receiver<DriveReport>,
+    mut line: watch::Receiver<Arc<Line>>,
     mut ended: oneshot::Receiver<Refusal>,
 ) {
     // The first client of all waits until the driver was asked.
-    let known = told.line.wait_for(|line| line.now().is_some());
+    let known = line.wait_for(|line| line.now().is_some());
     let _ = timeout(text::FIRST_STATE_MAX, known).await;
     loop {
         // There is room first, so that a slow client gets the newest state.
         if !matches!(timeout(PATIENCE, write.writable()).await, Ok(Ok(()))) {
             return;
         }
-        let own = told.own.borrow_and_update().clone();
-        let line = Arc::clone(&told.line.borrow_and_update());
+        let report = reports.borrow_and_update().clone();
+        let newest = Arc::clone(&line.borrow_and_update());
         let sent = tokio::time::Instant::now();
-        let state = encode_state(&state(viewer, &own, &line));
+        let state = encode_state(&state(&report, &newest));
         if !matches!(timeout(PATIENCE, write.write_all(&state)).await, Ok(Ok(()))) {
             return;
         }
@@ -180,8 +168,8 @@ async fn send(
         let wrong = tokio::select! {
             biased;
             ended = &mut ended => Some(ended),
-            _ = told.own.changed() => None,
-            _ = told.line.changed() => None,
+            _ = reports.changed() => None,
+            _ = line.changed() => None,
             () = sleep(STATE_MAX) => None,
         };
         if let Some(ended) = wrong {
@@ -193,30 +181,20 @@ async fn send(
     }
 }
 
-fn state(viewer: ViewerId, own: &Own, line: &Line) -> messages::State {
+fn state(report: &DriveReport, line: &Line) -> messages::State {
     let now = line.now();
-    let holder = own
-        .operator
-        .map_or_else(Default::default, |(holder, is_page)| {
-            let is = match is_page {
-                true => Holder::Page,
-                false if holder == viewer => Holder::You,
-                false => Holder::OtherClient,
-            };
-            (is, holder.0)
-        });
-    let own_motors = own.motors.iter().filter_map(|id| line.motors.get(id));
-    let is_other = |motor: &&Motor| !own.motors.contains(&motor.status.id);
-    let motors = own_motors.chain(line.motors.values().filter(is_other));
+    let armed = report.motors.iter().filter_map(|id| line.motors.get(id));
+    let is_other = |motor: &&Motor| !report.motors.contains(&motor.status.id);
+    let motors = armed.chain(line.motors.values().filter(is_other));
     messages::State {
         is_halted: line.is_halted,
         is_open: line.is_open,
-        drive: own.drive,
-        ended: own.ended,
-        arm: own.arm,
-        challenge: own.challenge,
+        drive: report.drive,
+        ended: report.ended,
+        arm: report.arm,
+        challenge: report.challenge,
         sent_us: monotonic_us(),
-        holder,
+        holder: report.holder,
         model: line.model,
         motors: motors
             .take(MOTORS_MAX)

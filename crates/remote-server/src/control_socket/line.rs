@@ -153,7 +153,8 @@ impl Feed {
             entry => {
                 self.is_due = true;
                 if let Some((of, why)) = end_reason(entry) {
-                    self.viewers.drive_may_end(of, why);
+                    self.viewers
+                        .operate(|operation, _| operation.may_end(of, why));
                 }
             }
         }
@@ -161,10 +162,10 @@ impl Feed {
 
     /// Does what is due.
     pub(crate) fn turn(&mut self, driver: &Driver) {
-        if !self.viewers.has_clients() {
+        if !self.has_clients() {
             // The next client waits for a state of its time.
             if self.line.clock.take().is_some() {
-                self.viewers.tell_line(Arc::default());
+                self.viewers.line().send_replace(Arc::default());
             }
             return;
         }
@@ -172,9 +173,8 @@ impl Feed {
         if !self.is_due && now < self.asked + ASK_EVERY && self.line.clock.is_some() {
             return;
         }
-        let changes = self.viewers.drive_changes();
         // The driver has ended, or stalls: the ages grow.
-        let Some(status) = driver.status() else {
+        let Some(status) = self.viewers.ask(driver) else {
             return;
         };
         (self.asked, self.is_due) = (now, false);
@@ -190,14 +190,18 @@ impl Feed {
         for motor in &status.motors {
             self.line.motor(motor.id).status = *motor;
         }
-        self.viewers.judge(changes, &status, driver.model());
         self.tell();
     }
 
     fn tell(&self) {
-        if self.viewers.has_clients() {
-            self.viewers.tell_line(Arc::new(self.line.clone()));
+        if self.has_clients() {
+            let newest = Arc::new(self.line.clone());
+            self.viewers.line().send_replace(newest);
         }
+    }
+
+    fn has_clients(&self) -> bool {
+        self.viewers.line().receiver_count() > 0
     }
 }
 

@@ -11,7 +11,7 @@
 //! | `text` | the text form |
 //! | `listener` | the file of the socket, and who is let in |
 //!
-//! What a controller may do is decided in `viewers/controlling.rs`, where the lease is locked.
+//! What a controller may do is decided in `viewers/operation.rs`.
 
 #[cfg(unix)]
 mod connection;

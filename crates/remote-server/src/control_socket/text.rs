@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, time::Duration};
 
-use motorlink_bus::Activity;
+use motorlink_bus::{Activity, Command, StopReason};
 use motorlink_controller_messages::Refusal;
 use motorlink_protocol::Faults;
 use tokio::{
@@ -58,7 +58,7 @@ pub(super) async fn serve(
             }
             b"stop" => stop(viewers).to_owned(),
             b"release" => {
-                viewers.release();
+                viewers.operate(|operation, _| operation.release());
                 viewers.log("a client of the socket releases the motors".to_owned());
                 "A controller may start the motors.\n".to_owned()
             }
@@ -91,7 +91,8 @@ pub(super) async fn serve_stop_only(
 
 /// Stops all motors. Returns the answer.
 fn stop(viewers: &Viewers) -> &'static str {
-    viewers.stop_all();
+    let stop = Command::StopAll(StopReason::Operator);
+    viewers.operate(|operation, now| operation.stop(now, None, [stop]));
     viewers.log("a client of the socket stops all motors".to_owned());
     "All motors are being stopped. state shows whether they stand.\n"
 }
@@ -130,7 +131,7 @@ pub(super) async fn complain(read: OwnedReadHalf, write: OwnedWriteHalf, wrong: 
 }
 
 async fn state(viewers: &Viewers) -> String {
-    let mut line = viewers.line();
+    let mut line = viewers.line().subscribe();
     // The first client of all waits until the driver was asked.
     let known = line.wait_for(|line| line.now().is_some());
     let _ = timeout(FIRST_STATE_MAX, known).await;
