@@ -20,7 +20,7 @@ use tokio::sync::{broadcast, mpsc, watch};
 
 use self::operation::Output;
 pub(crate) use self::operation::{DriveReport, Operation};
-use crate::{control_socket::Line, foxglove::Clients};
+use crate::{control_socket::Snapshot, foxglove::Clients};
 
 /// Messages for one page that wait for its connection: challenges of three seconds, and some answers. A page that takes
 /// longer misses its challenges, and loses its lease.
@@ -44,7 +44,7 @@ struct Shared {
     state: Mutex<State>,
     updates: broadcast::Sender<Bytes>,
     foxglove: Clients,
-    line: watch::Sender<Arc<Line>>,
+    snapshot: watch::Sender<Arc<Snapshot>>,
 }
 
 #[derive(Debug)]
@@ -108,7 +108,7 @@ impl Viewers {
             state: Mutex::new(state),
             updates,
             foxglove: Clients::new(),
-            line: watch::Sender::new(Arc::default()),
+            snapshot: watch::Sender::new(Arc::default()),
         }));
         viewers.watch_lease()?;
         Ok(viewers)
@@ -251,9 +251,9 @@ impl Viewers {
         )
     }
 
-    /// The newest state of the line, for the clients of the socket.
-    pub(crate) fn line(&self) -> &watch::Sender<Arc<Line>> {
-        &self.0.line
+    /// The newest state of port and motors, for the clients of the socket.
+    pub(crate) fn snapshot(&self) -> &watch::Sender<Arc<Snapshot>> {
+        &self.0.snapshot
     }
 
     /// Whether a page is connected.

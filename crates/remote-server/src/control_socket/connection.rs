@@ -21,8 +21,8 @@ use tokio::{
 };
 
 use super::{
-    line::{Line, Motor, RAD_PER_S, fresh},
     refusal::{PATIENCE, refuse},
+    snapshot::{Measured, Motor, Snapshot, fresh},
     text,
 };
 use crate::{
@@ -103,8 +103,8 @@ async fn talk(
             let _ = end.send(wrong);
         }
     };
-    let line = viewers.line().subscribe();
-    let mut sending = Box::pin(send(write, reports, line, ended));
+    let snapshots = viewers.snapshot().subscribe();
+    let mut sending = Box::pin(send(write, reports, snapshots, ended));
     tokio::select! {
         () = &mut sending => return,
         () = receiving => {}
@@ -146,11 +146,11 @@ async fn receive(
 async fn send(
     mut write: OwnedWriteHalf,
     mut reports: watch::Receiver<DriveReport>,
-    mut line: watch::Receiver<Arc<Line>>,
+    mut snapshots: watch::Receiver<Arc<Snapshot>>,
     mut ended: oneshot::Receiver<Refusal>,
 ) {
     // The first client of all waits until the driver was asked.
-    let known = line.wait_for(|line| line.now().is_some());
+    let known = snapshots.wait_for(|snapshot| snapshot.now().is_some());
     let _ = timeout(text::FIRST_STATE_MAX, known).await;
     loop {
         // There is room first, so that a slow client gets the newest state.
@@ -158,9 +158,9 @@ async fn send(
             return;
         }
         let report = reports.borrow_and_update().clone();
-        let newest = Arc::clone(&line.borrow_and_update());
+        let snapshot = Arc::clone(&snapshots.borrow_and_update());
         let sent = tokio::time::Instant::now();
-        let state = encode_state(&state(&report, &newest));
+        let state = encode_state(&state(&report, &snapshot));
         if !matches!(timeout(PATIENCE, write.write_all(&state)).await, Ok(Ok(()))) {
             return;
         }
@@ -169,7 +169,7 @@ async fn send(
             biased;
             ended = &mut ended => Some(ended),
             _ = reports.changed() => None,
-            _ = line.changed() => None,
+            _ = snapshots.changed() => None,
             () = sleep(STATE_MAX) => None,
         };
         if let Some(ended) = wrong {
@@ -181,21 +181,24 @@ async fn send(
     }
 }
 
-fn state(report: &DriveReport, line: &Line) -> messages::State {
-    let now = line.now();
-    let armed = report.motors.iter().filter_map(|id| line.motors.get(id));
+fn state(report: &DriveReport, snapshot: &Snapshot) -> messages::State {
+    let now = snapshot.now();
+    let armed = report
+        .motors
+        .iter()
+        .filter_map(|id| snapshot.motors.get(id));
     let is_other = |motor: &&Motor| !report.motors.contains(&motor.status.id);
-    let motors = armed.chain(line.motors.values().filter(is_other));
+    let motors = armed.chain(snapshot.motors.values().filter(is_other));
     messages::State {
-        is_halted: line.is_halted,
-        is_open: line.is_open,
+        is_halted: snapshot.is_halted,
+        is_open: snapshot.is_open,
         drive: report.drive,
         ended: report.ended,
         arm: report.arm,
         challenge: report.challenge,
         sent_us: monotonic_us(),
         holder: report.holder,
-        model: line.model,
+        model: snapshot.model,
         motors: motors
             .take(MOTORS_MAX)
             .map(|motor| known(motor, now))
@@ -206,6 +209,7 @@ fn state(report: &DriveReport, line: &Line) -> messages::State {
 /// What is known of a motor now.
 fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
     let age = |at: Instant| u32::try_from(now?.since(at).as_micros()).ok();
+    let with_age = |value: Measured<f32>| value.and_then(|(at, value)| Some((value, age(at)?)));
     let status = &motor.status;
     messages::Motor {
         id: status.id.get(),
@@ -222,15 +226,11 @@ fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
         faults: motor.faults.map(Faults::byte),
         reply_age: motor.replied.and_then(age),
         position: motor
-            .turns
-            .and_then(|(at, turns)| Some((turns * std::f64::consts::TAU, age(at)?))),
-        velocity: fresh(motor.speed, now)
-            .and_then(|(at, rpm)| Some((f32::from(rpm.rpm()) * RAD_PER_S, age(at)?))),
-        current: fresh(motor.current, now)
-            .and_then(|(at, current)| Some((current.amps(), age(at)?))),
-        temperature: motor
-            .temperature
-            .and_then(|(at, celsius)| Some((f32::from(celsius.degrees()), age(at)?))),
+            .position
+            .and_then(|(at, position)| Some((position, age(at)?))),
+        velocity: with_age(fresh(motor.velocity, now)),
+        current: with_age(fresh(motor.current, now)),
+        temperature: with_age(motor.temperature),
     }
 }
 

@@ -5,7 +5,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `line` | the newest state of each motor, from the entries of the driver |
+//! | `snapshot` | the newest state of each motor, from the entries of the driver |
 //! | `connection` | the connection of one client |
 //! | `refusal` | why a connection is closed |
 //! | `text` | the text form |
@@ -15,14 +15,14 @@
 
 #[cfg(unix)]
 mod connection;
-mod line;
 #[cfg(unix)]
 mod listener;
 #[cfg(unix)]
 mod refusal;
+mod snapshot;
 #[cfg(unix)]
 mod text;
 
-pub(crate) use line::{Feed, Line};
 #[cfg(unix)]
 pub use listener::{ControlSocket, NoSocket, RunningSocket};
+pub(crate) use snapshot::{Feed, Snapshot};

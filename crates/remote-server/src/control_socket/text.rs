@@ -4,7 +4,7 @@ use std::{fmt::Write as _, time::Duration};
 
 use motorlink_bus::{Activity, Command, StopReason};
 use motorlink_controller_messages::Refusal;
-use motorlink_protocol::Faults;
+use motorlink_protocol::{Faults, Instant};
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::unix::{OwnedReadHalf, OwnedWriteHalf},
@@ -12,8 +12,8 @@ use tokio::{
 };
 
 use super::{
-    line::{Line, Motor, RAD_PER_S, fresh},
     refusal::{PATIENCE, refuse},
+    snapshot::{Motor, fresh},
 };
 use crate::viewers::Viewers;
 
@@ -131,30 +131,30 @@ pub(super) async fn complain(read: OwnedReadHalf, write: OwnedWriteHalf, wrong: 
 }
 
 async fn state(viewers: &Viewers) -> String {
-    let mut line = viewers.line().subscribe();
+    let mut snapshots = viewers.snapshot().subscribe();
     // The first client of all waits until the driver was asked.
-    let known = line.wait_for(|line| line.now().is_some());
+    let known = snapshots.wait_for(|snapshot| snapshot.now().is_some());
     let _ = timeout(FIRST_STATE_MAX, known).await;
-    let line = line.borrow().clone();
+    let snapshot = snapshots.borrow().clone();
     let mut text = format!("control: {}", viewers.operator_name());
-    if line.is_halted {
+    if snapshot.is_halted {
         text.push_str(", all motors stopped");
     }
-    if !line.is_open {
+    if !snapshot.is_open {
         text.push_str(", no port");
     }
-    if let Some(model) = line.model {
+    if let Some(model) = snapshot.model {
         // Writing into a text cannot fail.
         let _ = write!(text, ", {model}");
     }
     text.push('\n');
-    for motor in line.motors.values() {
-        push(&mut text, motor, &line);
+    for motor in snapshot.motors.values() {
+        push(&mut text, motor, snapshot.now());
     }
     text
 }
 
-fn push(text: &mut String, motor: &Motor, line: &Line) {
+fn push(text: &mut String, motor: &Motor, now: Option<Instant>) {
     let status = &motor.status;
     let activity = match status.activity {
         Activity::Idle if status.silent => "silent",
@@ -165,11 +165,7 @@ fn push(text: &mut String, motor: &Motor, line: &Line) {
         Activity::DrivenRaw => "raw",
     };
     let or_unknown = |value: Option<String>| value.unwrap_or_else(|| "?".to_owned());
-    let position = motor.turns.map(|(_, turns)| turns * std::f64::consts::TAU);
-    let now = line.now();
-    let speed = fresh(motor.speed, now).map(|(_, speed)| f32::from(speed.rpm()) * RAD_PER_S);
-    let current = fresh(motor.current, now).map(|(_, current)| current.amps());
-    let temperature = motor.temperature.map(|(_, celsius)| celsius.degrees());
+    let (velocity, current) = (fresh(motor.velocity, now), fresh(motor.current, now));
     let age = now.zip(motor.replied);
     let age = age.map(|(now, at)| now.since(at).as_millis());
     let faults = motor.faults.map(Faults::byte);
@@ -183,10 +179,10 @@ fn push(text: &mut String, motor: &Motor, line: &Line) {
         } else {
             ""
         },
-        or_unknown(position.map(|value| format!("{value:.3}"))),
-        or_unknown(speed.map(|value| format!("{value:.2}"))),
-        or_unknown(current.map(|value| format!("{value:.2}"))),
-        or_unknown(temperature.map(|value| value.to_string())),
+        or_unknown(motor.position.map(|(_, rad)| format!("{rad:.3}"))),
+        or_unknown(velocity.map(|(_, rad_per_s)| format!("{rad_per_s:.2}"))),
+        or_unknown(current.map(|(_, amps)| format!("{amps:.2}"))),
+        or_unknown(motor.temperature.map(|(_, celsius)| celsius.to_string())),
         or_unknown(faults.map(|value| format!("{value:#04x}"))),
         or_unknown(age.map(|value| value.to_string())),
     );

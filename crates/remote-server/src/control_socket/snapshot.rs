@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    f64::consts::TAU,
     sync::Arc,
     time::{Duration, Instant as Moment},
 };
@@ -9,7 +10,7 @@ use std::{
 use motorlink_bus::{Event, MotorStatus, Sample, StopReason, TurnCounter, WithdrawReason};
 use motorlink_controller_messages::EndReason;
 use motorlink_driver::{Driver, Entry};
-use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, MotorId, Rpm, family::Model};
+use motorlink_protocol::{Detail, Faults, Instant, MotorId, family::Model};
 
 use crate::viewers::Viewers;
 
@@ -17,9 +18,9 @@ use crate::viewers::Viewers;
 const ASK_EVERY: Duration = Duration::from_millis(10);
 
 /// One revolution a minute, in rad/s.
-pub(super) const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
-/// One step of the angle in the reply to a query, in turns, with a fifth more for rounding.
-const COARSE_TURNS: f64 = 1.2 / 255.0;
+const RAD_PER_S: f32 = std::f32::consts::TAU / 60.0;
+/// One step of the angle in the reply to a query, in rad, with a fifth more for rounding.
+const COARSE_RAD: f64 = 1.2 / 255.0 * TAU;
 /// How long a fine angle counts more than a coarse one: ten drive frames.
 const FINE_FOR: Duration = Duration::from_millis(200);
 
@@ -34,9 +35,9 @@ pub(super) fn fresh<T>(value: Measured<T>, now: Option<Instant>) -> Measured<T> 
     value.filter(|(at, _)| now.is_some_and(|now| now.since(*at) <= FRESH_FOR))
 }
 
-/// The newest state of the line.
+/// The newest state of the port and of every motor.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Line {
+pub(crate) struct Snapshot {
     pub(crate) is_open: bool,
     pub(crate) is_halted: bool,
     /// The model of the motors, once their replies have shown it.
@@ -53,14 +54,17 @@ pub(crate) struct Motor {
     pub(crate) status: MotorStatus,
     pub(crate) replied: Option<Instant>,
     pub(crate) faults: Option<Faults>,
-    /// In turns, positive in the direction of positive speed.
-    pub(crate) turns: Measured<f64>,
-    pub(crate) speed: Measured<Rpm>,
-    pub(crate) current: Measured<Current>,
-    pub(crate) temperature: Measured<Celsius>,
+    /// In rad, positive in the direction of positive speed.
+    pub(crate) position: Measured<f64>,
+    /// In rad/s.
+    pub(crate) velocity: Measured<f32>,
+    /// In A.
+    pub(crate) current: Measured<f32>,
+    /// In degrees Celsius.
+    pub(crate) temperature: Measured<f32>,
 }
 
-impl Line {
+impl Snapshot {
     /// The present time of the driver; `None` before its first state.
     pub(crate) fn now(&self) -> Option<Instant> {
         let (at, seen) = self.clock?;
@@ -79,8 +83,8 @@ impl Motor {
             status: MotorStatus::unknown(id),
             replied: None,
             faults: None,
-            turns: None,
-            speed: None,
+            position: None,
+            velocity: None,
             current: None,
             temperature: None,
         }
@@ -93,27 +97,30 @@ impl Motor {
         self.replied = Some(*at);
         self.faults = Some(reply.faults);
         if let Some(speed) = reply.speed {
-            self.speed = Some((*at, speed));
+            self.velocity = Some((*at, f32::from(speed.rpm()) * RAD_PER_S));
         }
         if let Some(current) = reply.current {
-            self.current = Some((*at, current));
+            self.current = Some((*at, current.amps()));
         }
+        let position = turns.unrounded().map(|turns| turns * TAU);
         match reply.detail {
             Detail::Drive { .. } | Detail::Odometry { .. } => {
-                self.turns = turns.unrounded().map(|turns| (*at, turns));
+                self.position = position.map(|position| (*at, position));
             }
             Detail::Query { temperature, .. } => {
-                self.temperature = Some((*at, temperature));
+                self.temperature = Some((*at, temperature.degrees().into()));
                 // Its angle is coarse. It counts where nothing finer is new, and it shows that the wheel has moved.
-                let counted = turns.unrounded().unwrap_or_default();
-                let is_news = |(fine_at, turns): (Instant, f64)| {
-                    at.since(fine_at) > FINE_FOR && (turns - counted).abs() > COARSE_TURNS
+                let counted = position.unwrap_or_default();
+                let is_news = |(fine_at, fine): (Instant, f64)| {
+                    at.since(fine_at) > FINE_FOR && (fine - counted).abs() > COARSE_RAD
                 };
-                if self.turns.is_none_or(is_news) {
-                    self.turns = Some((*at, counted));
+                if self.position.is_none_or(is_news) {
+                    self.position = Some((*at, counted));
                 }
             }
-            Detail::Temperature(temperature) => self.temperature = Some((*at, temperature)),
+            Detail::Temperature(temperature) => {
+                self.temperature = Some((*at, temperature.degrees().into()));
+            }
             Detail::Undetermined(_) => {}
         }
     }
@@ -123,7 +130,7 @@ impl Motor {
 #[derive(Debug)]
 pub(crate) struct Feed {
     viewers: Viewers,
-    line: Line,
+    snapshot: Snapshot,
     turns: BTreeMap<MotorId, TurnCounter>,
     asked: Moment,
     is_due: bool,
@@ -133,7 +140,7 @@ impl Feed {
     pub(crate) fn new(viewers: Viewers) -> Self {
         Self {
             viewers,
-            line: Line::default(),
+            snapshot: Snapshot::default(),
             turns: BTreeMap::new(),
             asked: Moment::now(),
             is_due: true,
@@ -147,7 +154,7 @@ impl Feed {
             Entry::Event(Event::Telemetry(sample)) => {
                 let id = sample.reply.id;
                 let turns = self.turns.entry(id).or_default();
-                self.line.motor(id).take(sample, turns);
+                self.snapshot.motor(id).take(sample, turns);
                 self.tell();
             }
             entry => {
@@ -164,13 +171,13 @@ impl Feed {
     pub(crate) fn turn(&mut self, driver: &Driver) {
         if !self.has_clients() {
             // The next client waits for a state of its time.
-            if self.line.clock.take().is_some() {
-                self.viewers.line().send_replace(Arc::default());
+            if self.snapshot.clock.take().is_some() {
+                self.viewers.snapshot().send_replace(Arc::default());
             }
             return;
         }
         let now = Moment::now();
-        if !self.is_due && now < self.asked + ASK_EVERY && self.line.clock.is_some() {
+        if !self.is_due && now < self.asked + ASK_EVERY && self.snapshot.clock.is_some() {
             return;
         }
         // The driver has ended, or stalls: the ages grow.
@@ -178,30 +185,32 @@ impl Feed {
             return;
         };
         (self.asked, self.is_due) = (now, false);
-        self.line.clock = Some((status.now, now));
-        self.line.is_open = status.is_open;
-        self.line.is_halted = status.is_halted;
+        self.snapshot.clock = Some((status.now, now));
+        self.snapshot.is_open = status.is_open;
+        self.snapshot.is_halted = status.is_halted;
         let is_known = status.line.is_some_and(|line| line.model_known);
-        self.line.model = is_known.then(|| driver.model());
+        self.snapshot.model = is_known.then(|| driver.model());
         if status.is_open {
             // A motor that is not watched any more is not known.
-            self.line.motors.retain(|id, _| status.motor(*id).is_some());
+            self.snapshot
+                .motors
+                .retain(|id, _| status.motor(*id).is_some());
         }
         for motor in &status.motors {
-            self.line.motor(motor.id).status = *motor;
+            self.snapshot.motor(motor.id).status = *motor;
         }
         self.tell();
     }
 
     fn tell(&self) {
         if self.has_clients() {
-            let newest = Arc::new(self.line.clone());
-            self.viewers.line().send_replace(newest);
+            let newest = Arc::new(self.snapshot.clone());
+            self.viewers.snapshot().send_replace(newest);
         }
     }
 
     fn has_clients(&self) -> bool {
-        self.viewers.line().receiver_count() > 0
+        self.viewers.snapshot().receiver_count() > 0
     }
 }
 
