@@ -112,7 +112,7 @@ impl<C: Computer> Owner<C> {
                     let line = self.computer.open_line(path, model, self.number)?;
                     let now = self.computer.now();
                     let mut bus = self.new_bus(now, model).after_another(now).on_trial();
-                    opening.opened(now, &mut bus, &mut self.file.left, true);
+                    opening.opened(now, &mut bus, &mut self.file.left, 0);
                     self.host = Some(Host {
                         bus,
                         line,
@@ -121,7 +121,8 @@ impl<C: Computer> Owner<C> {
                 }
                 Step::Close => self.close_line(),
                 Step::Wait => self.run_on_trial()?,
-                Step::Done | Step::Failed => return Ok(()),
+                Step::Done => return Ok(()),
+                Step::Failed => return Err(OpenFailure::Lost),
             }
         }
     }
@@ -130,14 +131,17 @@ impl<C: Computer> Owner<C> {
     fn run_on_trial(&mut self) -> Result<(), OpenFailure> {
         let wake = self.turn();
         let now = self.computer.now();
-        let Some(host) = &self.host else {
-            return Err(OpenFailure::Lost);
-        };
-        if self.stage.is_ending() && !host.bus.is_active(now) {
-            return Err(OpenFailure::Ended);
+        if self.host.is_some() {
+            self.take_inputs(wake.min(now + Opening::STEP));
         }
-        self.take_inputs(wake.min(now + Opening::STEP));
-        Ok(())
+        let now = self.computer.now();
+        match &self.host {
+            None => Err(OpenFailure::Lost),
+            Some(host) if self.stage.is_ending() && !host.bus.is_active(now) => {
+                Err(OpenFailure::Ended)
+            }
+            Some(_) => Ok(()),
+        }
     }
 
     /// Whether the ID query is sent. Several motors would reply to it at once.

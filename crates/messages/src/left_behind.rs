@@ -50,13 +50,18 @@ impl LeftBehind {
         std::mem::take(&mut self.motors)
     }
 
-    /// Adds what another bus has left driven.
+    /// Adds what a bus has left driven that has just ended. It knows the model of the line best.
     pub fn carry(&mut self, newer: Self) {
         if let Some(model) = newer.model_of_motors() {
-            // The newer bus knows the line better.
             self.model = model;
             self.add(newer.motors);
         }
+    }
+
+    /// Adds what a file names. It may be of another adapter, so the model stays if there is one.
+    pub fn learn(&mut self, mut of_file: Self) {
+        of_file.carry(std::mem::take(self));
+        *self = of_file;
     }
 
     /// The content of its file.
@@ -134,7 +139,9 @@ impl NamedInFile {
         left: &LeftBehind,
         write: impl FnOnce(&LeftBehind) -> bool,
     ) -> bool {
-        let all = || driven().chain(left.motors.iter().copied());
+        let is_driven = |left: &LeftDriven| driven().any(|motor| motor.id == left.id);
+        let others = || left.motors.iter().copied().filter(|left| !is_driven(left));
+        let all = || driven().chain(others());
         let of_left = left.model_of_motors().filter(|_| driven().next().is_none());
         let model = of_left.unwrap_or(model);
         // Asked with every frame: it allocates nothing while nothing changes.
@@ -220,5 +227,37 @@ mod tests {
         assert_eq!(all.motors.len(), 3);
         assert_eq!(all.motors[0].mode, None);
         assert_eq!(all.motors[1].mode, Some(Mode::Position));
+    }
+
+    #[test]
+    fn a_bus_decides_the_model_and_a_file_only_if_none_is_known() {
+        let of = |model, ids| LeftBehind { model, ..left(ids) };
+        let mut known = of(Model::Ddsm115, 1..=1);
+        known.learn(of(Model::Ddsm400, 5..=5));
+        assert_eq!(known.model, Model::Ddsm115);
+        assert_eq!(known.motors.len(), 2);
+        known.carry(of(Model::Ddsm210, 1..=1));
+        assert_eq!(known.model, Model::Ddsm210);
+        assert_eq!(known.motors.len(), 2);
+        let mut none = LeftBehind::default();
+        none.learn(of(Model::Ddsm400, 5..=5));
+        assert_eq!(none, of(Model::Ddsm400, 5..=5));
+    }
+
+    #[test]
+    fn a_motor_that_is_driven_and_was_left_driven_is_named_once() {
+        let mut written = Vec::new();
+        let driven = left(1..=2).motors;
+        let mut file = NamedInFile::default();
+        file.update(
+            Model::Ddsm115,
+            || driven.iter().copied(),
+            &left(2..=3),
+            |all| {
+                written = all.motors.iter().map(|motor| motor.id.get()).collect();
+                true
+            },
+        );
+        assert_eq!(written, [1, 2, 3]);
     }
 }

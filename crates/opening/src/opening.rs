@@ -35,14 +35,14 @@ pub enum IfNoReply {
     KeepWaiting,
 }
 
-/// How motors that were left driven are treated. They may be on another port that is alike.
+/// How a trial treats motors that were left driven. They may be on another port that is alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LeftHere {
-    /// They are stopped at once if they can be on no other port, else asked. This is so while all ports are tried.
+    /// It stops them at once if they can be on no other port, else it asks whether they turn.
     Find,
-    /// They are stopped at once: all other ports were asked.
+    /// It stops them at once: the wanted motor replies here, and they turn on none of the ports that were asked.
     Stop,
-    /// They are left alone: they did not answer here.
+    /// It leaves them alone: there are none, they are of another model, or nothing has replied here.
     Leave,
 }
 
@@ -66,7 +66,7 @@ enum Stage {
     /// The port is opened for the next model.
     Open,
     OnTrial(Awaits),
-    /// The port is closed; then follows the other stage.
+    /// The port is closed. Then it is opened for its next model, or the next port is tried.
     Close {
         opens_again: bool,
     },
@@ -86,6 +86,7 @@ pub struct Opening {
     tried: usize,
     /// The port on trial.
     port: usize,
+    /// `Find` while all ports are tried in turn; another one for the port that is taken at the end.
     left_here: LeftHere,
     order: OpeningOrder,
     /// Whether a motor of the last model has answered on this port.
@@ -94,16 +95,19 @@ pub struct Opening {
     is_asked: bool,
     first_that_opens: Option<usize>,
     first_that_fits: Option<usize>,
-    /// The time of the last step, and how long the open port has been watched.
-    watched: (Instant, Duration),
+    /// Whether a port was not asked that may have the motors that were left driven.
+    was_left_out: bool,
+    last_step: Instant,
+    /// How long the open port has been watched for what is awaited.
+    watched_for: Duration,
 }
 
 impl Opening {
     /// The longest pause between two steps.
     pub const STEP: Duration = Duration::from_millis(20);
 
-    /// Opens one of these ports: the one with a motor that was left driven and turns, else the one on which the wanted
-    /// motor replies.
+    /// The trials that find the port with a motor that was left driven and turns, else the one on which the wanted motor
+    /// replies.
     #[must_use]
     pub fn new(ports: usize, wanted: MotorId, choice: ModelChoice, if_no_reply: IfNoReply) -> Self {
         Self {
@@ -120,7 +124,9 @@ impl Opening {
             is_asked: false,
             first_that_opens: None,
             first_that_fits: None,
-            watched: (Instant::ZERO, Duration::ZERO),
+            was_left_out: false,
+            last_step: Instant::ZERO,
+            watched_for: Duration::ZERO,
         }
     }
 
@@ -136,7 +142,7 @@ impl Opening {
         self.choice
     }
 
-    /// Says what to do next. `bus` is that of the open port; `left` was left driven on ports of this make.
+    /// Says what to do next. `bus` is the bus of the open port; `left` was left driven on ports of this make.
     pub fn step(&mut self, now: Instant, mut bus: Option<&mut Bus>, left: &mut LeftBehind) -> Step {
         loop {
             self.stage = match self.stage {
@@ -161,15 +167,18 @@ impl Opening {
                     let Some(bus) = bus.as_deref_mut() else {
                         return Step::Wait;
                     };
-                    let (last, watched) = self.watched;
                     // A computer that was asleep has not watched.
-                    let watched = watched + now.since(last).min(2 * Self::STEP);
-                    self.watched = (now, watched);
+                    self.watched_for += now.since(self.last_step).min(2 * Self::STEP);
+                    self.last_step = now;
                     let Some(next) = self.after_trial(awaits, now, bus, left) else {
                         return Step::Wait;
                     };
-                    self.watched = (now, Duration::ZERO);
+                    self.watched_for = Duration::ZERO;
                     next
+                }
+                // It would cut off a stop.
+                Stage::Close { .. } if bus.as_deref().is_some_and(|bus| bus.is_active(now)) => {
+                    return Step::Wait;
                 }
                 Stage::Close { opens_again } => {
                     self.stage = if opens_again {
@@ -187,37 +196,40 @@ impl Opening {
 
     /// The port cannot be claimed, or does not open.
     pub const fn refused(&mut self) {
+        self.was_left_out = true;
         self.stage = Stage::Next;
     }
 
-    /// The port is open, with this bus, which has sent nothing. `is_only` says whether `left` can be on no other port.
-    pub fn opened(&mut self, now: Instant, bus: &mut Bus, left: &mut LeftBehind, is_only: bool) {
+    /// The port is open, with this bus, which has sent nothing. `left` may be on so many other ports.
+    pub fn opened(&mut self, now: Instant, bus: &mut Bus, left: &mut LeftBehind, others: usize) {
         let trial = self.order.trial();
         let is_last = trial.awaits == Awaited::Nothing;
         let is_like = || {
             let left = left.model_of_motors();
             left.is_some_and(|left| left.is_like(trial.model))
         };
-        let left_here = match trial.left {
+        let how = match trial.left {
             LeftMotors::Stop if !is_last => self.left_here,
             LeftMotors::Stop if (self.has_answered || self.stays_open()) && is_like() => {
                 LeftHere::Find
             }
             _ => LeftHere::Leave,
         };
-        self.is_asked = left_here == LeftHere::Find && !is_only;
+        self.is_asked = how == LeftHere::Find && others > 0;
+        self.was_left_out |= others >= self.ports;
         if self.is_asked {
             for motor in &left.motors {
                 // Not refused while nothing drives.
                 let _: Result<(), Refusal> = bus.command(now, Command::Watch(motor.id));
             }
-            if !is_last {
-                self.choice.model = trial.model;
-            }
-        } else if left_here != LeftHere::Leave {
+        } else if how == LeftHere::Stop && self.was_left_out {
+            // A motor with such an ID on a port that was not asked may be the one: it stays remembered.
+            bus.stop_first(now, left.motors.iter().copied());
+        } else if how != LeftHere::Leave {
             bus.stop_first(now, left.take());
         }
-        self.watched = (now, Duration::ZERO);
+        self.last_step = now;
+        self.watched_for = Duration::ZERO;
         self.stage = Stage::OnTrial(if self.is_asked {
             Awaits::Turns
         } else {
@@ -239,12 +251,11 @@ impl Opening {
             is_left && speed.is_some_and(|rpm| rpm > 0)
         };
         if self.is_asked && bus.motors(now).any(turns) {
+            self.choice.model = self.order.trial().model;
             bus.stop_first(now, left.take());
             return Some(Stage::Done);
         }
-        let (_, watched) = self.watched;
-        // To close the port would cut off a stop.
-        let is_over = |limit| watched >= limit && !bus.is_active(now);
+        let is_over = |limit| self.watched_for >= limit && !bus.is_active(now);
         match awaits {
             Awaits::Model => {
                 let awaited = self.order.trial().awaits;

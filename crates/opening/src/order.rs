@@ -82,7 +82,8 @@ impl OpeningOrder {
     /// The first model is that of the motors that were left driven. `chosen` is the model that a person has chosen; `None`:
     /// the model is detected. If no motor answers, the port stays open for the chosen model, or else for `likely`.
     pub(crate) fn new(left: Option<Model>, chosen: Option<Model>, likely: Model) -> Self {
-        let first = left.unwrap_or(likely);
+        // Frames of a like model stop them too.
+        let first = left.filter(|left| !left.is_like(likely)).unwrap_or(likely);
         let mut order = Self {
             left,
             search: match chosen {

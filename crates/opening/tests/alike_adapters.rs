@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use computer::{Adapter, Computer, id};
 use motorlink_bus::LeftDriven;
-use motorlink_messages::ModelChoice;
+use motorlink_messages::{LeftBehind, ModelChoice};
 use motorlink_opening::IfNoReply::{KeepWaiting, TakeFirst};
 use motorlink_protocol::{Mode, family::Model};
 
@@ -29,7 +29,7 @@ const fn of_model(model: Model) -> ModelChoice {
     }
 }
 
-/// Whatever the adapters, their motors and the model that the page expects: the motors that were left driven stand, the
+/// For any adapters, motors and expected model: the motors that were left driven stand, the
 /// others get nothing but queries and never move, and the opening ends.
 #[test]
 fn the_adapter_with_the_motors_that_were_left_driven_is_found_by_queries_alone() {
@@ -57,7 +57,9 @@ fn the_adapter_with_the_motors_that_were_left_driven_is_found_by_queries_alone()
         let what = format!("seed {seed}: {model:?} at {place} of {count}, {choice:?}");
 
         let open = computer.open(wanted, choice, TakeFirst);
-        assert_eq!(open, Some((place, model)), "{what}");
+        let (open, opened_for) = open.unwrap();
+        assert_eq!(open, place, "{what}");
+        assert!(model.is_like(opened_for), "{what}: {opened_for:?}");
         computer.run(STANDS_WITHIN);
         for address in motors {
             assert!(computer.adapters[place].rpm(*address) < 1.0, "{what}");
@@ -138,6 +140,59 @@ fn a_port_for_another_model_sends_no_stop_to_what_was_left_driven() {
     computer.adapters[0].sent.clear();
     computer.run(STANDS_WITHIN);
     assert!(acts > 0 && computer.adapters[0].acts().is_empty());
+}
+
+/// Its adapter is not asked, because another program has it, or because a person has picked another one: the wanted motor
+/// stands there, and has the same ID.
+#[test]
+fn a_left_driven_motor_whose_adapter_was_not_asked_is_not_forgotten() {
+    let of = |motors| Adapter::new(Model::Ddsm115, motors);
+    for is_picked in [false, true] {
+        let mut computer = Computer::new(vec![of(&[1]), of(&[1])]);
+        computer.leave_driven(1, Model::Ddsm115, &[1], 100);
+        if is_picked {
+            computer.candidates = 1;
+        } else {
+            computer.adapters[1].is_taken = true;
+        }
+        let open = computer.open(1, ModelChoice::default(), TakeFirst);
+        assert_eq!(open, Some((0, Model::Ddsm115)));
+        computer.run(STANDS_WITHIN);
+        assert_eq!(computer.stops, [[(id(1), true)]]);
+        assert_eq!(computer.left.motors, [left(1)], "picked: {is_picked}");
+    }
+}
+
+/// Motors of another model were left driven, but they are not there any more.
+#[test]
+fn a_model_that_a_person_has_chosen_stays_if_no_motor_of_another_answers() {
+    let of = |motors| Adapter::new(Model::Ddsm115, motors);
+    let mut computer = Computer::new(vec![of(&[1]), of(&[2])]);
+    computer.left = LeftBehind {
+        model: Model::Ddsm400,
+        motors: vec![left(9)],
+    };
+    let open = computer.open(1, of_model(Model::Ddsm115), TakeFirst);
+    assert_eq!(open, Some((0, Model::Ddsm115)));
+}
+
+/// A person presses STOP while a port is tried: the port is not closed before that stop has ended.
+#[test]
+fn a_stop_during_a_trial_is_not_cut_off() {
+    for seed in 0..SEEDS {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let model = Model::ALL[rng.usize(..Model::ALL.len())];
+        let of = |motors| Adapter::new(model, motors);
+        let mut computer = Computer::new(vec![of(&[1, 2]), of(&[1])]);
+        computer.leave_driven(rng.usize(..2), model, &[1], 100);
+        computer.cut(0, Duration::from_millis(rng.u64(1..900)));
+        computer.stop_at = Some(computer.now + Duration::from_millis(rng.u64(1..1_500)));
+        let choice = ModelChoice {
+            detect: rng.bool(),
+            ..ModelChoice::default()
+        };
+        assert!(computer.open(2, choice, TakeFirst).is_some());
+    }
 }
 
 /// The motors of the taken port did not answer while it was asked, so they are not those that were left driven.

@@ -146,7 +146,8 @@ struct Attempt<'a> {
 /// Another port state has begun meanwhile, so this task ends.
 struct Superseded;
 
-/// Opens the first candidate on which the wanted motor replies, or else the first that opens.
+/// Opens the candidate with a motor that was left driven and turns, else the first on which the wanted motor replies, else
+/// the first that opens.
 pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
     let attempt = Attempt {
         shared,
@@ -233,7 +234,7 @@ impl Attempt<'_> {
                     return Err(Superseded);
                 }
                 if let Some(mut driven_file) = claimed {
-                    owner.left.of(candidate.usb).carry(driven_file.take_found());
+                    owner.left.of(candidate.usb).learn(driven_file.take_found());
                     return Ok(Ok(()));
                 }
                 if owner.now().since(self.began) > CLAIM_WITHIN {
@@ -281,8 +282,8 @@ impl Attempt<'_> {
             let mut owner = shared.borrow_mut();
             let now = owner.now();
             let mut bus = owner.new_bus(model, None).on_trial();
-            let is_only = owner.left.are_foreign(&line.others_of_make);
-            opening.opened(now, &mut bus, owner.left.of(line.usb()), is_only);
+            let others = owner.left.strangers_among(&line.others_of_make);
+            opening.opened(now, &mut bus, owner.left.of(line.usb()), others);
             bus
         };
         let stage = Stage::OnTrial { lost: self.lost };

@@ -38,7 +38,7 @@ impl DrivenFile {
         while let Some(found) = found.as_ref().filter(|found| found.length() > 0) {
             let bytes = Uint8Array::new(&found.pop()).to_vec();
             if let Ok(Some(left)) = LeftBehind::of_file(&bytes) {
-                all.carry(left);
+                all.learn(left);
             }
         }
         all

@@ -29,8 +29,8 @@ impl Left {
         self.foreign.iter().any(|other| Object::is(other, port))
     }
 
-    /// Whether none of these is the lost one.
-    pub(crate) fn are_foreign(&self, ports: &[SerialPort]) -> bool {
-        ports.iter().all(|port| self.is_foreign(port))
+    /// How many of these may be the lost one.
+    pub(crate) fn strangers_among(&self, ports: &[SerialPort]) -> usize {
+        ports.iter().filter(|port| !self.is_foreign(port)).count()
     }
 }

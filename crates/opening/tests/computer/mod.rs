@@ -15,7 +15,7 @@ use motorlink_simulator::{LineCondition, World, WorldConfig};
 
 /// How long a port takes to open, and to close.
 const OPENS_IN: Duration = Duration::from_millis(5);
-/// An opening ends within this for each of its ports: three models, a stop for each, and who answers.
+/// An opening ends within this for each of its ports: three models, a stop for each, and the wait for the wanted motor.
 pub const ENDS_WITHIN: Duration = Duration::from_secs(6);
 
 pub fn id(address: u8) -> MotorId {
@@ -70,6 +70,10 @@ pub struct Computer {
     settings: BusSettings,
     /// Whether the motors that were left driven can be on one of the adapters only.
     pub are_unlike: bool,
+    /// So many of the adapters are tried.
+    pub candidates: usize,
+    /// A person presses STOP then.
+    pub stop_at: Option<Instant>,
     /// The line of this adapter is good again then.
     pub good_again: Option<(usize, Instant)>,
     /// The computer sleeps so long as soon as this port is on trial.
@@ -80,12 +84,14 @@ impl Computer {
     pub fn new(adapters: Vec<Adapter>) -> Self {
         Self {
             now: Instant::from_millis(1_000),
+            candidates: adapters.len(),
             adapters,
             left: LeftBehind::default(),
             open: None,
             stops: Vec::new(),
             settings: BusSettings::default(),
             are_unlike: false,
+            stop_at: None,
             good_again: None,
             sleeps: None,
         }
@@ -198,12 +204,19 @@ impl Computer {
         choice: ModelChoice,
         if_no_reply: IfNoReply,
     ) -> Option<(usize, Model)> {
-        let ports = self.adapters.len();
+        let (all, ports) = (self.adapters.len(), self.candidates);
         let asleep = self.sleeps.map(|(_, time)| time).unwrap_or_default();
         let ends = self.now + ENDS_WITHIN * u32::try_from(ports + 1).unwrap() + asleep;
         let mut opening = Opening::new(ports, id(wanted), choice, if_no_reply);
         loop {
             assert!(self.now < ends, "it is still opening: {opening:?}");
+            if self.stop_at.is_some_and(|at| at <= self.now)
+                && let Some((_, bus)) = &mut self.open
+            {
+                self.stop_at = None;
+                let stop = Command::StopAll(StopReason::Operator);
+                bus.command(self.now, stop).unwrap();
+            }
             let bus = self.open.as_mut().map(|(_, bus)| bus);
             match opening.step(self.now, bus, &mut self.left) {
                 Step::Claim(place) => {
@@ -220,8 +233,8 @@ impl Computer {
                     let bus = Bus::with_model(self.now, model).after_another(self.now);
                     let bus = bus.on_trial();
                     let mut bus = bus.prepared(self.now, self.settings, true, [id(wanted)]);
-                    let is_only = ports == 1 || self.are_unlike;
-                    opening.opened(self.now, &mut bus, &mut self.left, is_only);
+                    let others = if self.are_unlike { 0 } else { all - 1 };
+                    opening.opened(self.now, &mut bus, &mut self.left, others);
                     self.open = Some((place, bus));
                 }
                 Step::Close => {
