@@ -14,6 +14,7 @@ mod failure;
 mod fleet;
 mod group_switch;
 mod info;
+mod key_input;
 mod log;
 mod manual;
 mod monitor;

@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, VecDeque},
+    mem,
     ops::Range,
     time::Duration,
 };
@@ -17,7 +18,7 @@ use ratatui::{
     widgets::{Block, Paragraph, Sparkline, Wrap},
 };
 
-use crate::{failure::Failure, signed_id::SignedId, values::Values};
+use crate::{failure::Failure, key_input::KeyInput, signed_id::SignedId, values::Values};
 
 /// What a column of a sparkline shows: ten are a second.
 const COLUMN: Duration = Duration::from_millis(100);
@@ -32,13 +33,17 @@ const NOTICES: usize = 50;
 /// There is no terminal, or `work` has failed.
 pub fn on_full_screen(
     otherwise: &str,
-    work: impl FnOnce(DefaultTerminal) -> Result<(), Failure>,
+    work: impl FnOnce(&mut DefaultTerminal, &KeyInput) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
+    let none = |error| Failure::Usage(format!("there is no terminal ({error}): {otherwise}"));
+    let keys = KeyInput::open().map_err(none)?;
     // It also restores the terminal before a panic is printed.
-    let terminal = ratatui::try_init()
-        .map_err(|error| Failure::Usage(format!("there is no terminal ({error}): {otherwise}")))?;
-    let done = work(terminal);
-    ratatui::restore();
+    let mut terminal = ratatui::try_init().map_err(none)?;
+    let done = work(&mut terminal, &keys);
+    if ratatui::try_restore().is_err() {
+        // It is gone. It would say so there, which aborts the program before the motors stand.
+        mem::forget(terminal);
+    }
     done
 }
 
@@ -148,12 +153,21 @@ impl Screen {
     }
 
     fn draw_motors(&self, frame: &mut Frame<'_>, area: Rect, status: &Status, around: &Around) {
-        let block = Block::bordered().title(around.title.as_str());
-        let inner = block.inner(area);
-        frame.render_widget(block, area);
+        let inner = Block::bordered().inner(area);
+        // The selected motor stays in sight.
+        let room = usize::from(inner.height.saturating_sub(1) / 2).max(1);
+        let all = self.motors.len();
+        let first = (around.marked.start + 1).saturating_sub(room);
+        let title = if all > room {
+            let (from, to) = (first + 1, (first + room).min(all));
+            format!("{}, {from} to {to} of {all}", around.title)
+        } else {
+            around.title.clone()
+        };
+        frame.render_widget(Block::bordered().title(title), area);
         let mut at = Rect { height: 1, ..inner };
         frame.render_widget(Paragraph::new(format!("  {}", Values::HEAD)), at);
-        for (place, signed) in self.motors.iter().enumerate() {
+        for (place, signed) in self.motors.iter().enumerate().skip(first) {
             at.y += 1;
             let is_marked = around.marked.contains(&place);
             let mark = if is_marked { ">" } else { " " };
@@ -206,6 +220,44 @@ impl Screen {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_selected_motor_is_in_sight_and_the_others_are_counted() {
+        let ids = (1..=16).flat_map(MotorId::new).map(SignedId::straight);
+        let screen = Screen::new(ids.collect(), Model::Ddsm115);
+        let status = Status {
+            now: Instant::ZERO,
+            is_open: true,
+            is_halted: false,
+            stops_begun: 0,
+            motors: Vec::new(),
+            job: None,
+            raw: None,
+            line: None,
+        };
+        for (selected, size, title) in [
+            (0, (80, 24), "motors, 1 to 8 of 16"),
+            (11, (80, 24), "motors, 5 to 12 of 16"),
+            (15, (40, 10), "motors, 16 to 16 of 16"),
+        ] {
+            let around = Around {
+                head: String::new(),
+                colour: Color::Green,
+                title: "motors".to_owned(),
+                marked: selected..selected + 1,
+                keys: String::new(),
+            };
+            let backend = ratatui::backend::TestBackend::new(size.0, size.1);
+            let mut terminal = ratatui::Terminal::new(backend).unwrap();
+            terminal
+                .draw(|frame| screen.draw(frame, &status, &around))
+                .unwrap();
+            let shown = terminal.backend().to_string();
+            assert!(shown.contains(title), "{shown}");
+            let id = screen.motors[selected];
+            assert!(shown.contains(&format!(">  {id}")), "{shown}");
+        }
+    }
 
     #[test]
     fn a_column_has_the_speed_of_its_moment_and_none_that_is_old() {

@@ -27,6 +27,20 @@ fn a_key_drives_for_as_long_as_it_is_held_and_q_leaves_a_motor_that_stands() {
     assert!(shown.contains("\u{1b}[?1049l"), "{shown}");
 }
 
+/// No signal comes: the terminal is not that of a session.
+#[test]
+fn a_terminal_that_is_closed_stops_the_wheel_and_ends_the_program() {
+    let mut bench = Bench::new(&[]);
+    let mut terminal = Terminal::run(bench.command("control --latch"));
+    terminal.expect("keys latch");
+    terminal.press("f");
+    bench.until(|rpm| rpm > 20.0);
+    let status = terminal.hang_up(Duration::from_secs(5));
+    let code = status.expect("it still runs").code();
+    assert_eq!(code, Some(1));
+    assert!(bench.stands());
+}
+
 #[test]
 fn another_loop_stops_the_wheel_first_and_drives_only_while_a_key_is_held() {
     let mut bench = Bench::new(&[]);

@@ -14,7 +14,7 @@ use motorlink_driver::{Ender, Next, Status};
 use motorlink_protocol::Setpoint;
 use ratatui::{
     DefaultTerminal,
-    crossterm::event::{self, Event, KeyEventKind},
+    crossterm::event::{Event, KeyEventKind},
     style::Color,
 };
 
@@ -23,6 +23,7 @@ use crate::{
     connection::{Connection, on_line},
     drive::{amps_setpoint, consent_for},
     failure::Failure,
+    key_input::KeyInput,
     screen::{Around, Screen, on_full_screen},
     signed_id::SignedId,
     starting,
@@ -64,7 +65,9 @@ pub fn run(global: &Global, how: &Arguments, ender: &Ender) -> Result<(), Failur
                 selected: 0,
                 is_group: false,
             };
-            on_full_screen("use drive in scripts", |terminal| control.run(terminal))
+            on_full_screen("use drive in scripts", |terminal, input| {
+                control.run(terminal, input)
+            })
         },
     )
 }
@@ -84,10 +87,10 @@ struct Control<'a> {
 }
 
 impl Control<'_> {
-    fn run(&mut self, mut terminal: DefaultTerminal) -> Result<(), Failure> {
+    fn run(&mut self, terminal: &mut DefaultTerminal, input: &KeyInput) -> Result<(), Failure> {
         let mut draw_at = Instant::now();
         loop {
-            if !self.take_entries() || self.take_keys()? {
+            if !self.take_entries() || self.take_keys(input)? {
                 return Ok(());
             }
             let now = Instant::now();
@@ -133,11 +136,11 @@ impl Control<'_> {
     }
 
     /// Obeys the keys that were pressed. Returns whether to leave.
-    fn take_keys(&mut self) -> Result<bool, Failure> {
+    fn take_keys(&mut self, input: &KeyInput) -> Result<bool, Failure> {
         let mut wait = KEY_WAIT;
-        while event::poll(wait).map_err(Failure::output)? {
+        while let Some(event) = input.next(wait)? {
             wait = Duration::ZERO;
-            let Event::Key(key) = event::read().map_err(Failure::output)? else {
+            let Event::Key(key) = event else {
                 continue;
             };
             let now = Instant::now();

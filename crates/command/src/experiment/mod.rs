@@ -121,8 +121,13 @@ fn follow(connection: &Connection, experiment: &mut Experiment) -> Result<(), Fa
                     state.passed.as_secs_f64(),
                     experiment.run().plan().longest_s(),
                 );
-                eprint!("\r\x1b[K{passed:.1} of at most {most:.1} s, {place}  Ctrl-C stops");
-                let _ = stderr().flush();
+                let mut terminal = stderr().lock();
+                // A terminal that is gone must not end the run in a panic.
+                let _ = write!(
+                    terminal,
+                    "\r\x1b[K{passed:.1} of at most {most:.1} s, {place}  Ctrl-C stops"
+                );
+                let _ = terminal.flush();
             }
             Progress::Running(_) | Progress::Waiting => {}
         }

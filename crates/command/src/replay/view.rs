@@ -9,14 +9,11 @@ use motorlink_messages::{
 };
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_session::Mark;
-use ratatui::{
-    DefaultTerminal,
-    crossterm::event::{self, Event},
-    style::Color,
-};
+use ratatui::{DefaultTerminal, crossterm::event::Event, style::Color};
 
 use crate::{
     failure::Failure,
+    key_input::KeyInput,
     screen::{Around, Screen, on_full_screen},
     session::one_line,
 };
@@ -54,7 +51,9 @@ pub fn show(
         status: None,
         begun: Moment::now(),
     };
-    on_full_screen("use --csv or --json", |terminal| view.run(terminal, ender))
+    on_full_screen("use --csv or --json", |terminal, input| {
+        view.run(terminal, input, ender)
+    })
 }
 
 struct View {
@@ -79,7 +78,12 @@ struct View {
 }
 
 impl View {
-    fn run(&mut self, mut terminal: DefaultTerminal, ender: &Ender) -> Result<(), Failure> {
+    fn run(
+        &mut self,
+        terminal: &mut DefaultTerminal,
+        input: &KeyInput,
+        ender: &Ender,
+    ) -> Result<(), Failure> {
         self.seek(self.from_us);
         self.ask(ToReplay::Play(self.speed));
         loop {
@@ -94,7 +98,7 @@ impl View {
                     .map_err(Failure::output)?;
             }
             let wait = next.map_or(KEY_WAIT, |next| next.since(self.now()).min(KEY_WAIT));
-            if self.take_keys(wait)? {
+            if self.take_keys(input, wait)? {
                 return Ok(());
             }
         }
@@ -183,10 +187,10 @@ impl View {
     }
 
     /// Obeys the keys that were pressed. Returns whether to leave.
-    fn take_keys(&mut self, mut wait: Duration) -> Result<bool, Failure> {
-        while event::poll(wait).map_err(Failure::output)? {
+    fn take_keys(&mut self, input: &KeyInput, mut wait: Duration) -> Result<bool, Failure> {
+        while let Some(event) = input.next(wait)? {
             wait = Duration::ZERO;
-            let Event::Key(key) = event::read().map_err(Failure::output)? else {
+            let Event::Key(key) = event else {
                 continue;
             };
             let Some(asked) = keys::asked(key) else {

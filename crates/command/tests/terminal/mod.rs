@@ -4,13 +4,17 @@ use std::{
     fs::File,
     io::{Read, Write},
     os::unix::ffi::OsStrExt,
-    process::{Child, Command, Stdio},
-    sync::{Arc, Mutex},
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
     thread::{self, JoinHandle, sleep},
     time::{Duration, Instant},
 };
 
 use rustix::{
+    event::{PollFd, PollFlags, Timespec, poll},
     fs::{Mode, OFlags, open},
     pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt},
     termios::{Winsize, tcsetwinsize},
@@ -27,11 +31,14 @@ pub struct Terminal {
     /// What was expected so far ends here.
     read: usize,
     reader: JoinHandle<()>,
+    is_closed: Arc<AtomicBool>,
 }
 
 impl Terminal {
     pub fn run(mut command: Command) -> Self {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        // The program must not hold its own terminal open.
+        rustix::io::fcntl_setfd(&master, rustix::io::FdFlags::CLOEXEC).unwrap();
         grantpt(&master).unwrap();
         unlockpt(&master).unwrap();
         let name = ptsname(&master, Vec::new()).unwrap();
@@ -52,9 +59,18 @@ impl Terminal {
         let shown = Arc::<Mutex<String>>::default();
         let to_show = Arc::clone(&shown);
         // A terminal that nobody reads blocks the program. It ends with an error when the program has closed its end.
+        let is_closed = Arc::<AtomicBool>::default();
+        let closed = Arc::clone(&is_closed);
         let reader = thread::spawn(move || {
             let mut piece = [0; 4096];
-            while let Ok(count @ 1..) = screen.read(&mut piece) {
+            while !closed.load(Ordering::Relaxed) {
+                let wait = Timespec::try_from(Duration::from_millis(20)).unwrap();
+                if poll(&mut [PollFd::new(&screen, PollFlags::IN)], Some(&wait)).unwrap() == 0 {
+                    continue;
+                }
+                let Ok(count @ 1..) = screen.read(&mut piece) else {
+                    break;
+                };
                 let text = String::from_utf8_lossy(&piece[..count]);
                 to_show.lock().unwrap().push_str(&text);
             }
@@ -65,7 +81,25 @@ impl Terminal {
             shown,
             read: 0,
             reader,
+            is_closed,
         }
+    }
+
+    /// Closes the window of the terminal. Returns how the program has ended; `None` if it still runs after this time.
+    pub fn hang_up(mut self, within: Duration) -> Option<ExitStatus> {
+        self.is_closed.store(true, Ordering::Relaxed);
+        self.reader.join().unwrap();
+        drop(self.keys);
+        let until = Instant::now() + within;
+        while Instant::now() < until {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return Some(status);
+            }
+            sleep(Duration::from_millis(20));
+        }
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        None
     }
 
     pub fn press(&mut self, keys: &str) {
