@@ -118,7 +118,11 @@ pub enum Action {
     /// Drive motors by keys, full screen: hold a key to run
     Control(Control),
     /// Stop motors that turn: those of --id, or all that answer
-    Stop,
+    Stop {
+        /// Stop none, and forget those that an earlier program left driven: they have no power any more
+        #[arg(long)]
+        forget: bool,
+    },
     /// Say what is likely to be wrong with the line, and what to do about it
     Doctor(Doctor),
     /// Give the only motor on the bus another ID, which it keeps without power

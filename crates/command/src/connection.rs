@@ -75,7 +75,7 @@ impl Connection {
     ) -> Result<Self, Failure> {
         let mut options = Options::at(place(global)?);
         options.model = global.model;
-        let motors = motors(global);
+        let motors = motors(global)?;
         options.watch = motors.iter().map(|motor| motor.id).collect();
         options.ender = ender.clone();
         change(&mut options);
@@ -289,14 +289,21 @@ pub fn on_line(
 }
 
 /// The motors of `--id`, or else all virtual ones. Empty if they are to be found.
-fn motors(global: &Global) -> Vec<SignedId> {
-    match global.virtual_motors {
-        Some(count) if global.id.is_empty() => {
+fn motors(global: &Global) -> Result<Vec<SignedId>, Failure> {
+    let all = &global.id;
+    for (place, one) in all.iter().enumerate() {
+        if all.iter().skip(place + 1).any(|other| other.id == one.id) {
+            let text = format!("--id: {} is given twice", one.id);
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(match global.virtual_motors {
+        Some(count) if all.is_empty() => {
             let ids = (1..=count).flat_map(MotorId::new);
             ids.map(SignedId::straight).collect()
         }
-        _ => global.id.clone(),
-    }
+        _ => all.clone(),
+    })
 }
 
 fn place(global: &Global) -> Result<Place, Failure> {

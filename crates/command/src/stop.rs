@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use motorlink_bus::{Activity, Command, Event, MotorStatus};
-use motorlink_driver::{Ender, Entry};
+use motorlink_driver::{Ender, Entry, forget_left_driven};
 use motorlink_protocol::MotorId;
 
 use crate::{
@@ -22,6 +22,16 @@ const STOP_MAX: Duration = Duration::from_secs(5);
 pub fn run(global: &Global, ender: &Ender) -> Result<(), Failure> {
     let asked: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
     on_line(global, ender, |_| (), |connection| stop(connection, asked))
+}
+
+/// Forgets what an earlier program left driven. It opens no line.
+pub fn forget(global: &Global) -> Result<(), Failure> {
+    let forgotten = forget_left_driven(global.port.as_deref())?;
+    print(if forgotten.is_empty() {
+        "no motor was left driven".to_owned()
+    } else {
+        format!("forgotten: {}", words::ids(forgotten))
+    })
 }
 
 fn stop(connection: &Connection, mut ids: Vec<MotorId>) -> Result<(), Failure> {

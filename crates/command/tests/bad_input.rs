@@ -29,6 +29,19 @@ fn ids_that_no_motor_has() {
 }
 
 #[test]
+fn a_motor_that_is_named_twice() {
+    for flags in [
+        ["--virtual=2", "--id", "1,1", "info"],
+        ["--virtual=2", "--id", "2,-2", "stop"],
+    ] {
+        let output = crate::program::motorlink(&flags).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("is given twice"), "{said}");
+    }
+}
+
+#[test]
 fn models_that_do_not_exist() {
     for model in ["ddsm500", "", "115", "m0602"] {
         refused(
@@ -107,4 +120,19 @@ fn help_is_no_error() {
             .unwrap()
             .contains("--turnaround-us")
     );
+}
+
+#[test]
+fn a_port_that_is_a_file_or_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("notes");
+    std::fs::write(&file, "no port").unwrap();
+    for path in [folder.path(), &file] {
+        let path = path.to_str().unwrap();
+        let output = crate::program::motorlink(&["--port", path, "info"]).output();
+        let output = output.unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("not a serial port"), "{said}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::program::Program;
+use crate::program::{Program, motorlink};
 use motorlink_protocol::{
     MotorId,
     family::{Mode, Model, Reading, Request, Setpoint},
@@ -67,4 +67,33 @@ fn a_ddsm400_turns_once_it_is_enabled_and_switched() {
         "{answer:?}"
     );
     assert!(program.command("state 1").contains(" mode=velocity "));
+}
+
+/// Not every reply of a DDSM210 has the speed, which the position loop needs to begin.
+#[test]
+fn two_motors_of_each_model_go_to_a_position() {
+    for model in Model::ALL {
+        let arguments = ["--virtual=2", "--model", model.spec().key];
+        let position = ["drive", "position", "90", "--secs", "1"];
+        let output = motorlink(&[&arguments[..], &position[..]].concat()).output();
+        let output = output.unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{model}: {said}");
+    }
+}
+
+#[test]
+fn so_many_motors_have_the_ids_from_one_on_and_report_all_as_json() {
+    let program = Program::start(&["--motors", "3"]);
+    let port = program.slave.to_str().unwrap();
+    let arguments = ["--port", port, "--id", "1,2,3", "info", "--json"];
+    let output = motorlink(&arguments).output().unwrap();
+    let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let all = all.as_array().unwrap();
+    assert_eq!(all.len(), 3);
+    for motor in all {
+        for value in ["speed_rpm", "current_a", "current_raw", "angle_deg"] {
+            assert!(motor[value].is_number(), "{value}: {motor}");
+        }
+    }
 }

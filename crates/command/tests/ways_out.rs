@@ -39,6 +39,26 @@ fn the_end_of_the_time_stops_a_mirrored_pair() {
     assert!(bench.stands());
 }
 
+/// Without it, each later command would look for the motor for seconds, and fail.
+#[test]
+fn a_motor_that_was_left_driven_and_has_no_power_any_more_is_forgotten_on_request() {
+    let mut bench = Bench::new(&["--ids", "1,2"]);
+    let mut drive = bench.drive("--id 1 drive velocity 100", 90.0);
+    drive.kill().unwrap();
+    drive.wait().unwrap();
+    bench.motors.command("power 1 off");
+    let said = bench.run("--id 2 info");
+    assert!(said.err.contains("motorlink stop --forget"), "{said:?}");
+    let said = bench.run("stop --forget");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert_eq!(said.out.trim(), "forgotten: 0x01");
+    let said = bench.run("--id 2 info");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(!said.err.contains("earlier"), "{said:?}");
+    let said = bench.run("stop --forget");
+    assert_eq!(said.out.trim(), "no motor was left driven");
+}
+
 #[test]
 fn what_a_killed_process_left_running_is_stopped_by_the_next_command() {
     let mut bench = Bench::new(&["--ids", "1,2"]);

@@ -1,6 +1,6 @@
 //! Why a port cannot be opened.
 
-use std::{fmt, io};
+use std::{fmt, fs, io};
 
 use crate::holder::{Holder, holder_of};
 
@@ -13,6 +13,8 @@ pub enum OpenFailure {
     SeveralPorts(Vec<String>),
     /// No port has this name.
     NotFound(String),
+    /// Something else has this name: a file or a folder.
+    NotSerial(String),
     /// This user may not open it.
     Denied(String),
     /// Another program has it open.
@@ -42,6 +44,9 @@ impl fmt::Display for OpenFailure {
             Self::NotFound(path) => {
                 write!(f, "{path}: no such port; `motorlink ports` lists what is there")
             }
+            Self::NotSerial(path) => {
+                write!(f, "{path}: not a serial port; `motorlink ports` lists what is there")
+            }
             Self::Denied(path) => write!(
                 f,
                 "{path}: no permission; add yourself to its group: sudo usermod -aG dialout $USER, then log in again"
@@ -65,6 +70,10 @@ impl OpenFailure {
     /// What the system said of this port.
     pub(crate) fn of(path: &str, error: &serialport::Error) -> Self {
         let path = path.to_owned();
+        // A serial port is neither, on any system.
+        if fs::metadata(&path).is_ok_and(|what| what.is_file() || what.is_dir()) {
+            return Self::NotSerial(path);
+        }
         match error.kind() {
             serialport::ErrorKind::NoDevice => {
                 let holder = holder_of(&path);

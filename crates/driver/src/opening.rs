@@ -19,8 +19,10 @@ use crate::{
     ports::Place,
 };
 
-/// How long motors may take for their first reply before the port counts as open: three queries at 10 Hz.
-const FIRST_REPLY_MAX: Duration = Duration::from_millis(300);
+/// How long motors may take to report their speed before the port counts as open: three queries at 10 Hz.
+const FIRST_SPEED_MAX: Duration = Duration::from_millis(300);
+/// The same with separate frames: two replies with an angle give a speed, and others come between them.
+const FIRST_SPEED_SEPARATE_MAX: Duration = Duration::from_millis(700);
 /// How long the opening may take once the port is open: a little more than a stop.
 const OPENING_MAX: Duration = Duration::from_secs(4);
 /// Pause between two tries to open a lost port. Linux sets its permissions a moment after it is there.
@@ -53,7 +55,7 @@ impl<C: Computer> Owner<C> {
     }
 
     /// Waits until the ID query has ended, and the stop of what was left driven: the bus refuses other commands meanwhile.
-    /// Then it waits a little for the first reply of each motor: before it, the bus starts none.
+    /// Then it waits a little for the speed of each motor: before it, the bus starts none in the position loop.
     fn finish_opening(&mut self) {
         let begun = self.computer.now();
         let mut free_since = None;
@@ -63,8 +65,14 @@ impl<C: Computer> Owner<C> {
             let Some(host) = &self.host else { return };
             if host.has_queried && !host.bus.is_stopping() {
                 let waited = now.since(*free_since.get_or_insert(now));
-                let answered = host.bus.motors(now).all(|motor| motor.last.is_some());
-                if (answered && host.bus.model_known()) || waited >= FIRST_REPLY_MAX {
+                // Some loops need it to start.
+                let answered = host.bus.motors(now).all(|motor| motor.speed.is_some());
+                let limit = if host.bus.model().has_separate_frames() {
+                    FIRST_SPEED_SEPARATE_MAX
+                } else {
+                    FIRST_SPEED_MAX
+                };
+                if (answered && host.bus.model_known()) || waited >= limit {
                     return;
                 }
             }

@@ -140,7 +140,11 @@ impl ChosenPort {
         // A pseudo-terminal that is made again has another name, and its link has the same.
         let port = port.filter(|port| !port.starts_with("/dev/pts"));
         let port = port.and_then(|port| port.to_str().map(str::to_owned));
-        let port = port.unwrap_or_else(|| self.path.clone());
+        let absolute = || {
+            let path = std::path::absolute(&self.path).ok();
+            path.and_then(|path| path.to_str().map(str::to_owned))
+        };
+        let port = port.or_else(absolute).unwrap_or_else(|| self.path.clone());
         match &self.usb {
             Some(usb) => format!(
                 "usb {:04x} {:04x} {}",
@@ -194,5 +198,14 @@ mod tests {
             "usb 0403 6001 A50285BI"
         );
         assert_eq!(chosen(None).identity(), "usb 0403 6001 /dev/ttyUSB3");
+        // One that is named from another folder.
+        let named = |path: &str| ChosenPort {
+            path: path.to_owned(),
+            usb: None,
+        };
+        let here = std::env::current_dir().unwrap();
+        let absolute = here.join("motors");
+        let absolute = absolute.to_str().unwrap();
+        assert_eq!(named("motors").identity(), named(absolute).identity());
     }
 }

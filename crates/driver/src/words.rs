@@ -1,6 +1,6 @@
 //! What the bus reports, in words for a terminal and for session files.
 
-use motorlink_bus::{CommandKind, Event, IdQueryOutcome, StopReason, StopReport, WithdrawReason};
+use motorlink_bus::{CommandKind, Event, StopOutcome, StopReason, StopReport, WithdrawReason};
 use motorlink_protocol::MotorId;
 use motorlink_session::{Event as Mark, EventKind};
 
@@ -62,8 +62,14 @@ fn of_event(event: &Event) -> Option<String> {
     Some(match event {
         Event::StopBegan(reason) => return why_stopped(*reason).map(str::to_owned),
         Event::StopEnded(report) if report.reason == StopReason::LeftDriven => {
+            let is_silent = |motor: &StopOutcome| !motor.confirmed && motor.speed.is_none();
+            let hint = if report.motors.iter().any(is_silent) {
+                " If it has no power any more: motorlink stop --forget."
+            } else {
+                ""
+            };
             format!(
-                "an earlier program had left motors running. {}",
+                "an earlier program had left motors running. {}{hint}",
                 of_stop(report)
             )
         }
@@ -94,9 +100,6 @@ fn of_event(event: &Event) -> Option<String> {
         }
         Event::SendsText { is_json: false } => {
             "another device sends text on this port. Is it the right one?".to_owned()
-        }
-        Event::IdQueryEnded(IdQueryOutcome::Garbled) => {
-            "several motors answered the ID query at once, or there is noise.".to_owned()
         }
         Event::Telemetry(_)
         | Event::IdQueryEnded(_)
@@ -152,7 +155,7 @@ fn why_withdrawn(reason: WithdrawReason) -> String {
 /// What a stop has shown of each motor.
 #[must_use]
 pub fn of_stop(report: &StopReport) -> String {
-    let of_motor = |motor: &motorlink_bus::StopOutcome| {
+    let of_motor = |motor: &StopOutcome| {
         let id = motor.id;
         match (motor.confirmed, motor.speed) {
             (true, _) => format!("Motor {id} stands, confirmed."),

@@ -22,6 +22,10 @@ pub struct VirtualMotors {
         value_name = "ID,ID.."
     )]
     ids: Vec<MotorId>,
+    /// So many motors, with the IDs from 1 on
+    #[arg(long, conflicts_with = "ids", value_name = "N",
+        value_parser = clap::value_parser!(u8).range(1..=254))]
+    motors: Option<u8>,
     /// Make a symbolic link to the terminal here; removed at the end
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
@@ -91,7 +95,10 @@ impl VirtualMotors {
     ///
     /// # Errors
     /// Two motors have the same ID.
-    pub(crate) fn check(self, model: Model) -> Result<Arguments, Failure> {
+    pub(crate) fn check(mut self, model: Model) -> Result<Arguments, Failure> {
+        if let Some(count) = self.motors {
+            self.ids = (1..=count).flat_map(MotorId::new).collect();
+        }
         let mut seen = Vec::new();
         for id in &self.ids {
             if seen.contains(id) {

@@ -28,6 +28,13 @@ pub fn command(flags: &[&str]) -> Command {
     command
 }
 
+/// The command with these arguments.
+pub fn motorlink(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motorlink"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
 /// A running program; it ends with the test.
 pub struct Program {
     pub child: Child,

@@ -1,0 +1,42 @@
+//! Forgets what was left driven.
+
+use std::io;
+
+use motorlink_protocol::MotorId;
+
+use crate::{
+    driven_file::{DrivenFile, NoFile},
+    holder::holder_of,
+    locked_file::{LockedFile, default_folder},
+    open_failure::OpenFailure,
+    ports::ChosenPort,
+};
+
+/// Forgets the motors that an earlier program left driven over the adapter of this port, or of the only one, because they
+/// have no power any more. The next driver does not stop them. Returns them.
+///
+/// # Errors
+/// There is no such port, a driver uses it, or the system refuses to write its file.
+pub fn forget_left_driven(path: Option<&str>) -> Result<Vec<MotorId>, OpenFailure> {
+    let port = ChosenPort::find(path)?;
+    let refused = || OpenFailure::Io(port.path.clone(), io::Error::other("its file is refused"));
+    let folder = default_folder().ok_or_else(refused)?;
+    let (file, content) = match LockedFile::open(&folder, &port.identity()) {
+        Ok(opened) => opened,
+        Err(NoFile::Refused) => return Err(refused()),
+        Err(NoFile::InUse) => {
+            let holder = holder_of(&port.path);
+            return Err(OpenFailure::Busy {
+                path: port.path,
+                holder,
+            });
+        }
+    };
+    let mut file = DrivenFile::new(Box::new(file), &content);
+    let model = file.left.model;
+    let forgotten = file.left.take();
+    if !file.remember(model, || [].into_iter()) {
+        return Err(refused());
+    }
+    Ok(forgotten.into_iter().map(|motor| motor.id).collect())
+}
