@@ -129,10 +129,9 @@ impl Sabotage {
 
     /// Which worlds notice. A DDSM115 tells every value in one reply, so none of them can be invented unless the reply is.
     fn worlds(&self) -> [&'static str; 2] {
+        let of_driver = ["crates/driver/", "crates/opening/"];
         match self.rule {
-            // A rule of the driver, though the order of models is in the bus.
-            "FindsModel" => ["--play", "driver"],
-            _ if self.file.starts_with("crates/driver/") => ["--play", "driver"],
+            _ if of_driver.iter().any(|part| self.file.starts_with(part)) => ["--play", "driver"],
             "NoInventedValue" => ["--model", "ddsm210"],
             _ => ["--model", "ddsm115"],
         }
