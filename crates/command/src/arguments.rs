@@ -2,8 +2,6 @@
 
 use std::{ffi::OsString, path::PathBuf, time::Duration};
 
-#[cfg(unix)]
-use crate::virtual_motors::VirtualMotors;
 use clap::{Args, Parser, Subcommand};
 use motorlink_bus::{CommandRate, Ramp};
 use motorlink_experiments::study::StudyKind;
@@ -54,8 +52,7 @@ pub struct Global {
     /// Serial port, such as /dev/ttyUSB0 or COM3; without it, the only USB adapter
     #[arg(long, global = true, value_name = "PORT")]
     pub port: Option<String>,
-    /// Motors, 1-254 or 0x01-0xFE, with commas between. A minus before one mirrors it: its wheel is mounted the other way
-    /// round
+    /// Motors, 1-254 or 0x01-0xFE, with commas between; a minus mirrors one, which is mounted the other way round
     #[arg(
         long,
         global = true,
@@ -204,13 +201,12 @@ pub enum Action {
     Replay(Replay),
     /// Show virtual motors on a pseudo-terminal, for any serial program
     ///
-    /// Prints `ready <path>` when a serial program may open that path, 8N1 at the baud of the model: 115200, or
-    /// 38400 of a ddsm400. At another baud no motor answers. Commands on standard
-    /// input, one a line, each answered by `ok ..` or `error: ..`: `block 1 on|off`, `load 1 <N.m>`,
-    /// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`, and `stall <ms>`, during which
-    /// nothing passes the adapter.
+    /// Prints `ready <path>` when a serial program may open that path, 8N1 at the baud of the model: 115200, or 38400 of a
+    /// ddsm400. At another baud no motor answers. Commands on standard input, one a line, each answered by `ok ..` or
+    /// `error: ..`: `block 1 on|off`, `load 1 <N.m>`, `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`,
+    /// and `stall <ms>`, during which nothing passes the adapter.
     #[cfg(unix)]
-    Virtual(VirtualMotors),
+    Virtual(crate::virtual_motors::VirtualMotors),
     /// Print the completions of a shell, to be sourced by it
     Completions {
         /// The shell
