@@ -116,7 +116,7 @@ pub enum Action {
     Control(Control),
     /// Stop motors that turn: those of --id, or all that answer
     Stop {
-        /// Stop none, and forget those that an earlier program left driven: they have no power any more
+        /// Stop none, but forget those that an earlier program left driven and that have lost their power
         #[arg(long)]
         forget: bool,
     },

@@ -1,6 +1,6 @@
 //! The keys of the terminal.
 //!
-//! crossterm reads a terminal that was closed for ever, at full load. So the terminal is asked first whether it is there.
+//! After a terminal is closed, crossterm reads it in an endless loop. So it is asked first whether it is there.
 
 #[cfg(unix)]
 use std::{

@@ -38,10 +38,13 @@ pub fn on_full_screen(
     let none = |error| Failure::Usage(format!("there is no terminal ({error}): {otherwise}"));
     let keys = KeyInput::open().map_err(none)?;
     // It also restores the terminal before a panic is printed.
-    let mut terminal = ratatui::try_init().map_err(none)?;
+    let mut terminal = ratatui::try_init().map_err(|error| {
+        let _ = ratatui::try_restore();
+        none(error)
+    })?;
     let done = work(&mut terminal, &keys);
     if ratatui::try_restore().is_err() {
-        // It is gone. It would say so there, which aborts the program before the motors stand.
+        // The terminal is gone. `Terminal::drop` would print its error there, and panic before the motors stand.
         mem::forget(terminal);
     }
     done

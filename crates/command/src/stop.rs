@@ -24,9 +24,14 @@ pub fn run(global: &Global, ender: &Ender) -> Result<(), Failure> {
     on_line(global, ender, |_| (), |connection| stop(connection, asked))
 }
 
-/// Forgets what an earlier program left driven. It opens no line.
+/// Forgets what an earlier program left driven: the motors of `--id`, or all. It opens no line.
 pub fn forget(global: &Global) -> Result<(), Failure> {
-    let forgotten = forget_left_driven(global.port.as_deref())?;
+    if global.virtual_motors.is_some() {
+        let text = "--virtual leaves no motor driven: leave out one of --forget and --virtual";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    let these: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
+    let forgotten = forget_left_driven(global.port.as_deref(), &these)?;
     print(if forgotten.is_empty() {
         "no motor was left driven".to_owned()
     } else {

@@ -49,6 +49,8 @@ fn a_motor_that_was_left_driven_and_has_no_power_any_more_is_forgotten_on_reques
     bench.motors.command("power 1 off");
     let said = bench.run("--id 2 info");
     assert!(said.err.contains("motorlink stop --forget"), "{said:?}");
+    let said = bench.run("--id 2 stop --forget");
+    assert_eq!(said.out.trim(), "no motor was left driven");
     let said = bench.run("stop --forget");
     assert_eq!(said.code, Some(0), "{said:?}");
     assert_eq!(said.out.trim(), "forgotten: 0x01");

@@ -1,6 +1,6 @@
 //! Forgets what was left driven.
 
-use std::io;
+use std::{fs, io};
 
 use motorlink_protocol::MotorId;
 
@@ -12,13 +12,20 @@ use crate::{
     ports::ChosenPort,
 };
 
-/// Forgets the motors that an earlier program left driven over the adapter of this port, or of the only one, because they
-/// have no power any more. The next driver does not stop them. Returns them.
+/// Forgets motors that an earlier program left driven over the adapter of this port, or of the only one, because they have
+/// no power any more: these, or all. The next driver does not stop them. Returns them.
 ///
 /// # Errors
 /// There is no such port, a driver uses it, or the system refuses to write its file.
-pub fn forget_left_driven(path: Option<&str>) -> Result<Vec<MotorId>, OpenFailure> {
+pub fn forget_left_driven(
+    path: Option<&str>,
+    these: &[MotorId],
+) -> Result<Vec<MotorId>, OpenFailure> {
     let port = ChosenPort::find(path)?;
+    // A name of Windows is no path.
+    if cfg!(unix) && !fs::exists(&port.path).is_ok_and(|is_there| is_there) {
+        return Err(OpenFailure::NotFound(port.path));
+    }
     let refused = || OpenFailure::Io(port.path.clone(), io::Error::other("its file is refused"));
     let folder = default_folder().ok_or_else(refused)?;
     let (file, content) = match LockedFile::open(&folder, &port.identity()) {
@@ -33,10 +40,12 @@ pub fn forget_left_driven(path: Option<&str>) -> Result<Vec<MotorId>, OpenFailur
         }
     };
     let mut file = DrivenFile::new(Box::new(file), &content);
-    let model = file.left.model;
-    let forgotten = file.left.take();
-    if !file.remember(model, || [].into_iter()) {
+    let is_meant = |id: &MotorId| these.is_empty() || these.contains(id);
+    let forgotten = file.left.motors.iter().map(|motor| motor.id);
+    let forgotten = forgotten.filter(is_meant).collect();
+    file.left.motors.retain(|motor| !is_meant(&motor.id));
+    if !file.remember(file.left.model, || [].into_iter()) {
         return Err(refused());
     }
-    Ok(forgotten.into_iter().map(|motor| motor.id).collect())
+    Ok(forgotten)
 }

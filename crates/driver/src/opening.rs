@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::Bus;
-use motorlink_opening::{IfNoReply, Opening, Step};
+use motorlink_opening::{IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use motorlink_simulator::World;
@@ -65,7 +65,6 @@ impl<C: Computer> Owner<C> {
             let Some(host) = &self.host else { return };
             if host.has_queried && !host.bus.is_stopping() {
                 let waited = now.since(*free_since.get_or_insert(now));
-                // Some loops need it to start.
                 let answered = host.bus.motors(now).all(|motor| motor.speed.is_some());
                 let limit = if host.bus.model().has_separate_frames() {
                     FIRST_SPEED_SEPARATE_MAX
@@ -120,7 +119,7 @@ impl<C: Computer> Owner<C> {
                     let line = self.computer.open_line(path, model, self.number)?;
                     let now = self.computer.now();
                     let mut bus = self.new_bus(now, model).after_another(now).on_trial();
-                    opening.opened(now, &mut bus, &mut self.file.left, 0);
+                    opening.opened(now, &mut bus, &mut self.file.left, Others::NONE);
                     self.host = Some(Host {
                         bus,
                         line,

@@ -13,4 +13,4 @@ mod model_search;
 mod opening;
 mod order;
 
-pub use opening::{IfNoReply, Opening, Step};
+pub use opening::{IfNoReply, Opening, Others, Step};

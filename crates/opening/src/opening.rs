@@ -26,6 +26,20 @@ pub enum Step {
     Failed,
 }
 
+/// The ports of one make, besides the open one, that may have motors that were left driven on ports of this make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Others {
+    /// How many there are.
+    pub count: usize,
+    /// How many of them are tried, too.
+    pub tried: usize,
+}
+
+impl Others {
+    /// There are none.
+    pub const NONE: Self = Self { count: 0, tried: 0 };
+}
+
 /// What happens if the wanted motor replies on none of the ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IfNoReply {
@@ -42,15 +56,15 @@ enum LeftHere {
     Find,
     /// It stops them at once: the wanted motor replies here, and they turn on none of the ports that were asked.
     Stop,
-    /// It leaves them alone: there are none, they are of another model, or nothing has replied here.
-    Leave,
+    /// There are none, they are of another model, or nothing has replied here.
+    LeaveAlone,
 }
 
 /// What the open port is watched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Awaits {
     /// What the trial of the order awaits.
-    Model,
+    Trial,
     /// A motor that was left driven and turns: then this is its port.
     Turns,
     /// A reply of the wanted motor.
@@ -95,7 +109,7 @@ pub struct Opening {
     is_asked: bool,
     first_that_opens: Option<usize>,
     first_that_fits: Option<usize>,
-    /// Whether a port was not asked that may have the motors that were left driven.
+    /// Whether a port that may have the motors that were left driven was not asked, or has not answered.
     was_left_out: bool,
     last_step: Instant,
     /// How long the open port has been watched for what is awaited.
@@ -157,7 +171,7 @@ impl Opening {
                 Stage::Claimed => {
                     self.order = order_of(self.choice, left.model_of_motors());
                     self.has_answered = false;
-                    if self.left_here == LeftHere::Leave && left.model_of_motors().is_some() {
+                    if self.left_here == LeftHere::LeaveAlone && left.model_of_motors().is_some() {
                         self.order.tried(None);
                     }
                     Stage::Open
@@ -177,7 +191,7 @@ impl Opening {
                     next
                 }
                 // It would cut off a stop.
-                Stage::Close { .. } if bus.as_deref().is_some_and(|bus| bus.is_active(now)) => {
+                Stage::Close { .. } if bus.as_deref().is_some_and(Bus::is_stopping) => {
                     return Step::Wait;
                 }
                 Stage::Close { opens_again } => {
@@ -194,14 +208,15 @@ impl Opening {
         }
     }
 
-    /// The port cannot be claimed, or does not open.
-    pub const fn refused(&mut self) {
-        self.was_left_out = true;
+    /// The port cannot be claimed, or does not open. `left` was left driven on ports of its make.
+    pub const fn refused(&mut self, left: &LeftBehind) {
+        self.was_left_out |= !left.motors.is_empty();
         self.stage = Stage::Next;
     }
 
-    /// The port is open, with this bus, which has sent nothing. `left` may be on so many other ports.
-    pub fn opened(&mut self, now: Instant, bus: &mut Bus, left: &mut LeftBehind, others: usize) {
+    /// The port is open, with this bus, which has sent nothing. `others`: the ports of this make, besides this one, that may
+    /// have the motors of `left`.
+    pub fn opened(&mut self, now: Instant, bus: &mut Bus, left: &mut LeftBehind, others: Others) {
         let trial = self.order.trial();
         let is_last = trial.awaits == Awaited::Nothing;
         let is_like = || {
@@ -213,19 +228,19 @@ impl Opening {
             LeftMotors::Stop if (self.has_answered || self.stays_open()) && is_like() => {
                 LeftHere::Find
             }
-            _ => LeftHere::Leave,
+            _ => LeftHere::LeaveAlone,
         };
-        self.is_asked = how == LeftHere::Find && others > 0;
-        self.was_left_out |= others >= self.ports;
+        self.is_asked = how == LeftHere::Find && others.count > 0;
+        self.was_left_out |= others.count > others.tried;
         if self.is_asked {
             for motor in &left.motors {
                 // Not refused while nothing drives.
                 let _: Result<(), Refusal> = bus.command(now, Command::Watch(motor.id));
             }
-        } else if how == LeftHere::Stop && self.was_left_out {
-            // A motor with such an ID on a port that was not asked may be the one: it stays remembered.
+        } else if how != LeftHere::LeaveAlone && self.was_left_out {
+            // Those on another port may be the ones, so they stay remembered.
             bus.stop_first(now, left.motors.iter().copied());
-        } else if how != LeftHere::Leave {
+        } else if how != LeftHere::LeaveAlone {
             bus.stop_first(now, left.take());
         }
         self.last_step = now;
@@ -233,7 +248,7 @@ impl Opening {
         self.stage = Stage::OnTrial(if self.is_asked {
             Awaits::Turns
         } else {
-            Awaits::Model
+            Awaits::Trial
         });
     }
 
@@ -257,7 +272,7 @@ impl Opening {
         }
         let is_over = |limit| self.watched_for >= limit && !bus.is_active(now);
         match awaits {
-            Awaits::Model => {
+            Awaits::Trial => {
                 let awaited = self.order.trial().awaits;
                 let found = awaited.found(bus, now);
                 if found.is_none() && awaited != Awaited::Nothing && !is_over(awaited.limit()) {
@@ -268,9 +283,11 @@ impl Opening {
             Awaits::Turns => {
                 let next = match self.left_here {
                     LeftHere::Find => Stage::OnTrial(Awaits::Wanted),
-                    LeftHere::Stop | LeftHere::Leave => Stage::Done,
+                    LeftHere::Stop | LeftHere::LeaveAlone => Stage::Done,
                 };
-                is_over(ANSWER_MAX).then_some(next)
+                // With separate frames two replies give a speed, and others come between them.
+                let has_separate = bus.model().has_separate_frames();
+                is_over(ANSWER_MAX * if has_separate { 2 } else { 1 }).then_some(next)
             }
             Awaits::Wanted => {
                 let mut motors = bus.motors(now);
@@ -281,6 +298,9 @@ impl Opening {
                 if replies && !self.is_asked {
                     return Some(Stage::Done);
                 }
+                // Its line may be dead.
+                let is_silent = !bus.motors(now).any(|motor| motor.last.is_some());
+                self.was_left_out |= self.is_asked && is_silent;
                 self.first_that_opens.get_or_insert(self.port);
                 if replies {
                     self.first_that_fits.get_or_insert(self.port);
@@ -315,7 +335,7 @@ impl Opening {
         }
         self.left_here = match self.first_that_fits {
             Some(_) => LeftHere::Stop,
-            None => LeftHere::Leave,
+            None => LeftHere::LeaveAlone,
         };
         let takes_first = self.if_no_reply == IfNoReply::TakeFirst;
         let first = self.first_that_opens.filter(|_| takes_first);

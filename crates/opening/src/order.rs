@@ -79,7 +79,7 @@ pub(crate) struct OpeningOrder {
 }
 
 impl OpeningOrder {
-    /// The first model is that of the motors that were left driven. `chosen` is the model that a person has chosen; `None`:
+    /// The first model is `likely` if its frames also stop the motors that were left driven, else theirs. `chosen` is the model that a person has chosen; `None`:
     /// the model is detected. If no motor answers, the port stays open for the chosen model, or else for `likely`.
     pub(crate) fn new(left: Option<Model>, chosen: Option<Model>, likely: Model) -> Self {
         // Frames of a like model stop them too.

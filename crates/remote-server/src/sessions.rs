@@ -77,7 +77,8 @@ fn is_name(name: &str) -> bool {
     name.ends_with(ENDING) && !name.starts_with('.') && name.bytes().all(is_plain)
 }
 
-/// Opens a file to read it. A link leads elsewhere, and a pipe waits. Without such flags, a link is looked for first.
+/// Opens a file to read it. Links are not followed, and a pipe does not block. Other systems have no such flags: there the
+/// check for a link comes before the open.
 fn open(path: &Path) -> io::Result<File> {
     let is_link = cfg!(not(unix)) && fs::symlink_metadata(path)?.is_symlink();
     let mut options = OpenOptions::new();

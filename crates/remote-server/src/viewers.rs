@@ -278,7 +278,7 @@ impl State {
         }
     }
 
-    /// Carries out what the operation has decided, the commands for the driver first.
+    /// Carries out what the operation has decided, in its order, before clients are told.
     fn carry_out(&mut self) {
         for output in mem::take(&mut self.operation.outputs) {
             match output {

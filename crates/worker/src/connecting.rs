@@ -11,7 +11,7 @@ use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::{
     Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
 };
-use motorlink_opening::{IfNoReply, Opening, Step};
+use motorlink_opening::{IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
@@ -79,6 +79,7 @@ fn close(shared: &Shared, then: AfterClosing) {
                     let mut owner = shared.borrow_mut();
                     owner.model = model;
                     owner.left.foreign.clear();
+                    owner.left.lost_on_trial = 0;
                     let usb = candidates.first().and_then(|port| port.usb);
                     let model = model.model;
                     let motors = left;
@@ -196,7 +197,9 @@ impl Attempt<'_> {
             let done = match (step, candidate) {
                 (Step::Claim(_), Some(candidate)) => self.claim(generation, candidate).await?,
                 (Step::Open(_, model), Some(candidate)) => {
-                    let opened = self.open_one(generation, candidate, model, &mut opening);
+                    let alike = candidates.iter().filter(|port| port.usb == candidate.usb);
+                    let trial = (&mut opening, alike.count().saturating_sub(1));
+                    let opened = self.open_one(generation, candidate, model, trial);
                     opened.await?.map(|opened| generation = opened)
                 }
                 (Step::Close, _) => {
@@ -215,7 +218,8 @@ impl Attempt<'_> {
             };
             if let Err(error) = done {
                 failure = error;
-                opening.refused();
+                let usb = candidate.and_then(|port| port.usb);
+                opening.refused(shared.borrow_mut().left.of(usb));
             }
         }
     }
@@ -251,7 +255,7 @@ impl Attempt<'_> {
         generation: u32,
         candidate: PortRef,
         model: Model,
-        opening: &mut Opening,
+        (opening, tried): (&mut Opening, usize),
     ) -> Result<Result<u32, ConnectError>, Superseded> {
         let shared = self.shared;
         let begun = shared.borrow().now();
@@ -282,7 +286,8 @@ impl Attempt<'_> {
             let mut owner = shared.borrow_mut();
             let now = owner.now();
             let mut bus = owner.new_bus(model, None).on_trial();
-            let others = owner.left.strangers_among(&line.others_of_make);
+            let count = owner.left.others(&line.others_of_make);
+            let others = Others { count, tried };
             opening.opened(now, &mut bus, owner.left.of(line.usb()), others);
             bus
         };
@@ -307,6 +312,7 @@ impl Attempt<'_> {
                     owner.outbox.notice(Notice::IdQueryEnded(outcome));
                 }
             }
+            owner.left.lost_on_trial = 0;
             if self.lost.is_some() {
                 owner.outbox.notice(Notice::AdapterBack);
             }

@@ -137,6 +137,32 @@ async fn an_adapter_that_was_there_all_along_is_not_taken_for_the_one_that_was_p
     assert_eq!(twin.frames().len(), asked);
 }
 
+/// Its twin, whose motor has the same ID, is opened then. It gets a stop, too, but the motor stays remembered.
+#[wasm_bindgen_test]
+async fn an_adapter_that_is_lost_while_it_is_tried_may_have_the_turning_wheel() {
+    let bench = Bench::new();
+    let port = bench.port(CH340, &[1]);
+    driving(&bench, &port).await;
+    drop(bench);
+
+    let bench = Bench::new();
+    let turning = bench.port_to(CH340, port.world.clone());
+    let twin = bench.port(CH340, &[1]);
+    bench.plug(&turning);
+    bench.plug(&twin);
+    bench.connect_left(&[1]);
+    bench
+        .until("the trial", |_| !turning.frames().is_empty())
+        .await;
+    bench.unplug(&turning);
+    bench.until_connected().await;
+    bench.pause(Duration::from_millis(300)).await;
+    assert!(turning.speed(1) > 90.0);
+    let mut owner = bench.owner.borrow_mut();
+    let left = owner.left.of(CH340).motors.iter();
+    assert_eq!(left.map(|motor| motor.id).collect::<Vec<_>>(), [ONE]);
+}
+
 #[wasm_bindgen_test]
 async fn a_motor_left_driven_that_does_not_answer_does_not_hide_the_others() {
     let bench = Bench::new();

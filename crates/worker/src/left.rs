@@ -10,6 +10,8 @@ pub(crate) struct Left {
     of_makes: Vec<(Option<UsbId>, LeftBehind)>,
     /// Ports that were there while the lost one was open: it is none of them.
     pub(crate) foreign: Vec<SerialPort>,
+    /// Adapters that were lost while they were tried. They may have the motors.
+    pub(crate) lost_on_trial: usize,
 }
 
 impl Left {
@@ -29,8 +31,10 @@ impl Left {
         self.foreign.iter().any(|other| Object::is(other, port))
     }
 
-    /// How many of these may be the lost one.
-    pub(crate) fn strangers_among(&self, ports: &[SerialPort]) -> usize {
-        ports.iter().filter(|port| !self.is_foreign(port)).count()
+    /// How many ports besides the open one may have the motors: those of these that may be the lost one, and those that
+    /// are gone.
+    pub(crate) fn others(&self, ports: &[SerialPort]) -> usize {
+        let there = ports.iter().filter(|port| !self.is_foreign(port));
+        there.count() + self.lost_on_trial
     }
 }

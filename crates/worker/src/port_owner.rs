@@ -140,11 +140,12 @@ impl PortOwner {
         };
         let adapter = open.line.adapter();
         let driven = open.bus.left_driven().map(|motor| motor.id).collect();
-        // On an adapter that was only tried, nothing is known to be left driven.
-        if let Line::Serial(line) = &mut open.line
-            && !matches!(open.stage, Stage::OnTrial { .. })
-        {
-            self.left.foreign = std::mem::take(&mut line.others_of_make);
+        if let Line::Serial(line) = &mut open.line {
+            if matches!(open.stage, Stage::OnTrial { .. }) {
+                self.left.lost_on_trial += 1;
+            } else {
+                self.left.foreign = std::mem::take(&mut line.others_of_make);
+            }
         }
         self.outbox.notice(Notice::AdapterLost { driven });
         self.runs.closed(now, Input::Unplugged, self.settings);

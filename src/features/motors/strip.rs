@@ -81,7 +81,7 @@ fn write_titles(page: Page, found: Memo<Vec<MotorId>>) {
     effect(move || {
         let id = page.selected.get();
         let is_one_of_many = found.with(|found| found.len() > 1);
-        // A name is shown whole or not at all: the first word of it may be that of another motor.
+        // The name is shown whole or not at all: two names may begin with the same word.
         let title = page
             .motors
             .names

@@ -6,7 +6,7 @@ use motorlink_bus::{
     Bus, BusSettings, Command, Consent, Event, LeftDriven, Output, StopOutcome, StopReason,
 };
 use motorlink_messages::{LeftBehind, ModelChoice};
-use motorlink_opening::{IfNoReply, Opening, Step};
+use motorlink_opening::{IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{
     Frame, Instant, MotorId, Setpoint, SpeedTarget,
     family::{Model, Request},
@@ -222,7 +222,7 @@ impl Computer {
                 Step::Claim(place) => {
                     assert!(self.open.is_none());
                     if self.adapters[place].is_taken {
-                        opening.refused();
+                        opening.refused(&self.left);
                     }
                 }
                 Step::Open(place, model) => {
@@ -233,13 +233,15 @@ impl Computer {
                     let bus = Bus::with_model(self.now, model).after_another(self.now);
                     let bus = bus.on_trial();
                     let mut bus = bus.prepared(self.now, self.settings, true, [id(wanted)]);
-                    let others = if self.are_unlike { 0 } else { all - 1 };
+                    let others = Others {
+                        count: if self.are_unlike { 0 } else { all - 1 },
+                        tried: ports - 1,
+                    };
                     opening.opened(self.now, &mut bus, &mut self.left, others);
                     self.open = Some((place, bus));
                 }
                 Step::Close => {
-                    let now = self.now;
-                    assert!(!self.bus().is_active(now), "a stop is cut off");
+                    assert!(!self.bus().is_stopping(), "a stop is cut off");
                     let model = self.bus().model();
                     let motors = self.bus().left_driven().collect();
                     self.left.carry(LeftBehind { model, motors });

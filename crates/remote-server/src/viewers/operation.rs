@@ -4,10 +4,10 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `drive` | the drive of one controller |
-//! | `pages` | what pages ask for, and the stops of all persons |
+//! | `persons` | what pages ask for, and the stops of all persons |
 
 mod drive;
-mod pages;
+mod persons;
 #[cfg(test)]
 mod tests;
 
