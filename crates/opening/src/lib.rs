@@ -12,5 +12,7 @@
 mod model_search;
 mod opening;
 mod order;
+mod step;
 
-pub use opening::{IfNoReply, Opening, Others, Step};
+pub use opening::Opening;
+pub use step::{IfNoReply, Others, Step};
