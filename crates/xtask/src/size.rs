@@ -46,7 +46,7 @@ const PARTS: [Part; 19] = [
     // alternate, echoes that are no replies, and a port that is slow to open or to close. 800 name text and blocks of bytes,
     // and stop again what a dead line left driven. 100 give each update to the recorder too. In 500 the compiler repeats
     // the closing of a port since the sessions beside it have changed.
-    ("worker", DRIVING, &["worker-"], 117_500),
+    ("worker", DRIVING, &["worker-"], 117_900),
     // With the notices and the tour, which were part of the first style, the names of motors, and the panel Session file
     // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
@@ -140,7 +140,7 @@ const FIRST_GZIP_BYTES_MAX: usize = 259_500;
 /// or another model answers late, takes 2,500; what drives a run beside the bus, and loads its program, takes 4,300; what
 /// stops motors that keep their last command takes 16,000, what stops a group before it starts in another loop 1,000.
 /// The folder in which it is compiled changes its size by 300.
-const DRIVING_GZIP_BYTES_MAX: usize = 376_300;
+const DRIVING_GZIP_BYTES_MAX: usize = 377_000;
 /// Bound of all parts together in one language. The goal is 560,000: four programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
 /// 32,000, what the bus does when a motor restarts 2,500, a log that can be undone, opened and translated 10,000, names
