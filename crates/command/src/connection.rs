@@ -288,7 +288,7 @@ pub fn on_line(
     most_serious(worked, stopped)
 }
 
-/// The motors of `--id`, or else all virtual ones. Empty if they are to be found.
+/// The motors of `--id`, or else all virtual ones. Empty if the command looks for them.
 fn motors(global: &Global) -> Result<Vec<SignedId>, Failure> {
     let all = &global.id;
     for (place, one) in all.iter().enumerate() {

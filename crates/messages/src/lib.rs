@@ -59,7 +59,7 @@ pub enum ToWorker {
     Select(MotorId),
     /// An operator's act.
     Command {
-        /// What is to be done.
+        /// What to do.
         command: Command,
         /// When the person did it: the event's `timeStamp`, milliseconds of the page's
         /// `performance.now()`. An old act starts no wheel.

@@ -38,11 +38,11 @@ pub(crate) struct Operation {
     rpm_max: u16,
     /// How many drives have begun or ended.
     changes: u32,
-    /// What is to be carried out, in this order. It is taken after each call, so it stays short.
+    /// What `Viewers` does next, in this order. It takes them after each call, so they stay few.
     pub(super) outputs: Vec<Output>,
 }
 
-/// What is to be carried out.
+/// What `Viewers` does next.
 #[derive(Debug, PartialEq)]
 pub(super) enum Output {
     /// For the driver.

@@ -108,7 +108,7 @@ impl Drive {
         }
     }
 
-    /// New setpoints. Returns what the bus is to be given.
+    /// The controller gives new setpoints. Returns those that the bus needs.
     pub(super) fn adjust(&mut self, new: Vec<(MotorId, Setpoint)>) -> Option<GroupSetpoints> {
         // While the motors are stopped or switched first, a zero would end their start. A zero that is only repeated
         // would cut the replies of other motors short.
