@@ -4,12 +4,12 @@
 
 use std::time::Duration;
 
+use motorlink_port::Line;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
     driven_file::{DrivenFile, NoFile},
     inputs::{Input, Told},
-    line::Line,
     open_failure::OpenFailure,
     ports::ChosenPort,
 };

@@ -4,8 +4,8 @@ use motorlink_bus::{Consent, Event, StopReason};
 use motorlink_protocol::{MotorId, Setpoint, SpeedTarget};
 
 use super::*;
-use crate::line::VirtualLine;
 use crate::ports::Place;
+use crate::virtual_line::VirtualLine;
 
 const ID: MotorId = MotorId::FIRST;
 

@@ -5,11 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::LeftBehind;
 use motorlink_protocol::Instant;
+use motorlink_runs::Runs;
 
 use crate::{
     computer::Computer,
     owner::{Owner, Stage},
-    runs::Runs,
 };
 
 impl<C: Computer> Owner<C> {
@@ -42,9 +42,9 @@ impl<C: Computer> Owner<C> {
     /// The bus has failed, and its state is not to be trusted. The line is: another bus stops what the file names.
     pub(crate) fn stop_after_failure(&mut self) {
         self.stage = Stage::Ending { has_stopped: false };
-        self.is_halted = true;
+        self.control.is_halted = true;
         // The failure may be theirs.
-        self.runs = Runs::default();
+        self.control.runs = Runs::default();
         let now = self.computer.now();
         let Some(mut host) = self.host.take() else {
             // No line is left. The next driver stops what the file names.

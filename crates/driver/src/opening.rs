@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::Bus;
-use motorlink_opening::{IfNoReply, Opening, Others, Step};
+use motorlink_port::{Closed, Host, IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use motorlink_simulator::World;
@@ -12,7 +12,6 @@ use crate::{
     computer::Computer,
     driven_file::NoFile,
     entry::Entry,
-    host::Host,
     open_failure::OpenFailure,
     options::Options,
     owner::{Owner, Stage},
@@ -36,13 +35,9 @@ impl<C: Computer> Owner<C> {
                 let motors = &virtual_line.world.motors;
                 self.watched.extend(motors.iter().map(|motor| motor.id));
                 let bus = self.new_bus(now, virtual_line.model());
+                self.has_queried = !self.asks_for_id();
                 let line = Box::new(World::new(virtual_line.world.clone()));
-                let has_queried = !self.asks_for_id();
-                self.host = Some(Host {
-                    bus,
-                    line,
-                    has_queried,
-                });
+                self.host = Some(Host { bus, line });
             }
             Place::OnlyAdapter => self.open_port(None)?,
             Place::Port(path) => self.open_port(Some(path))?,
@@ -63,7 +58,7 @@ impl<C: Computer> Owner<C> {
             let wake = self.turn();
             let now = self.computer.now();
             let Some(host) = &self.host else { return };
-            if host.has_queried && !host.bus.is_stopping() {
+            if self.has_queried && !host.bus.is_stopping() {
                 let waited = now.since(*free_since.get_or_insert(now));
                 let answered = host.bus.motors(now).all(|motor| motor.speed.is_some());
                 let limit = if host.bus.model().has_separate_frames() {
@@ -120,11 +115,8 @@ impl<C: Computer> Owner<C> {
                     let now = self.computer.now();
                     let mut bus = self.new_bus(now, model).after_another(now).on_trial();
                     opening.opened(now, &mut bus, &mut self.file.left, Others::NONE);
-                    self.host = Some(Host {
-                        bus,
-                        line,
-                        has_queried: !self.asks_for_id(),
-                    });
+                    self.has_queried = !self.asks_for_id();
+                    self.host = Some(Host { bus, line });
                 }
                 Step::Close => self.close_line(),
                 Step::Wait => self.run_on_trial()?,
@@ -158,12 +150,9 @@ impl<C: Computer> Owner<C> {
 
     /// A bus on which nothing drives, with what the program has set.
     pub(crate) fn new_bus(&self, now: Instant, model: Model) -> Bus {
-        let mut bus = Bus::with_model(now, model);
-        if self.is_halted {
-            bus = bus.into_halted();
-        }
         let watched = self.watched.iter().copied();
-        bus.prepared(now, self.settings, self.asks_for_id(), watched)
+        let asks_for_id = self.asks_for_id();
+        self.control.new_bus(now, model, asks_for_id, watched)
     }
 
     /// The port is the right one: the bus may enable its motors.
@@ -184,8 +173,8 @@ impl<C: Computer> Owner<C> {
     /// Closes the line, and remembers what is left driven on it.
     pub(crate) fn close_line(&mut self) {
         let now = self.computer.now();
-        if let Some(host) = self.host.take() {
-            let (last, left) = host.close(now);
+        if let Some(mut host) = self.host.take() {
+            let Closed { last, left } = host.close(now);
             self.file.left.carry(left);
             for event in last {
                 self.tell(now, Entry::Event(event));
@@ -198,7 +187,7 @@ impl<C: Computer> Owner<C> {
         let driven = self.host.as_ref().map_or_else(Vec::new, |host| {
             host.bus.left_driven().map(|motor| motor.id).collect()
         });
-        self.runs.closed(now, Input::Unplugged, self.settings);
+        self.control.closed(now, Input::Unplugged);
         self.close_line();
         self.look_at = now;
         if self.stage != Stage::OnTrial {

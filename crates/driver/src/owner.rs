@@ -6,19 +6,19 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{BusSettings, COMMAND_AGE_MAX, Command, Event, StopReport};
+use motorlink_bus::{COMMAND_AGE_MAX, Command, Event, StopReport};
 use motorlink_messages::{ModelChoice, encode};
+use motorlink_port::{Host, Line, NotDone, PortControl, Turned};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     computer::Computer,
     driven_file::DrivenFile,
     entry::{Entry, Status},
-    host::{Host, Turned},
     inputs::{Input, Told},
     options::{Ending, Options},
     ports::ChosenPort,
-    runs::Runs,
+    runs::OwnProgram,
 };
 
 /// How long the thread sleeps at most: it has nothing to do while the port is lost but to look for it.
@@ -49,14 +49,14 @@ pub(crate) struct Owner<C> {
     pub(crate) computer: C,
     /// The model that the program asks for, or that was found last.
     pub(crate) choice: ModelChoice,
-    pub(crate) settings: BusSettings,
+    pub(crate) control: PortControl<OwnProgram>,
     pub(crate) watched: BTreeSet<MotorId>,
     tells_traffic: bool,
-    pub(crate) is_halted: bool,
     pub(crate) file: DrivenFile,
     /// The open line; `None` while the port is lost.
-    pub(crate) host: Option<Host>,
-    pub(crate) runs: Runs,
+    pub(crate) host: Option<Host<Box<dyn Line>>>,
+    /// Whether the ID query of the opened line has ended, or there is none.
+    pub(crate) has_queried: bool,
     /// The serial port; `None` for virtual motors.
     pub(crate) port: Option<ChosenPort>,
     pub(crate) stage: Stage,
@@ -80,13 +80,15 @@ impl<C: Computer> Owner<C> {
                 model: options.model.unwrap_or_default(),
                 detect: options.model.is_none(),
             },
-            settings: options.settings,
+            control: PortControl {
+                settings: options.settings,
+                ..PortControl::default()
+            },
             watched: options.watch.iter().copied().collect(),
             tells_traffic: options.tells_traffic,
-            is_halted: false,
             file: DrivenFile::none(),
             host: None,
-            runs: Runs::default(),
+            has_queried: false,
             port: None,
             stage: Stage::OnTrial,
             number: 0,
@@ -112,14 +114,7 @@ impl<C: Computer> Owner<C> {
         if has_failed {
             self.stop_after_failure();
         }
-        let now = self.computer.now();
-        if let Some(host) = self.host.take() {
-            let (last, left) = host.close(now);
-            for event in last {
-                self.tell(now, Entry::Event(event));
-            }
-            self.file.left.carry(left);
-        }
+        self.close_line();
         Ending {
             last_stop: self.last_stop,
             may_turn: self
@@ -155,13 +150,24 @@ impl<C: Computer> Owner<C> {
             return self.look_for_port(now);
         };
         let mut entries = Vec::new();
-        let runs = (&mut self.runs, self.settings);
-        let turned = host.turn(now, &mut self.file, runs, |entry| entries.push(entry));
+        let mut is_remembered = true;
+        let (computer, file) = (&mut self.computer, &mut self.file);
+        let turned = self.control.turn(
+            now,
+            || computer.now(),
+            host,
+            |bus| is_remembered &= file.remember(bus.model(), || bus.left_driven()),
+            |_, event| entries.push(Entry::Event(event)),
+        );
         #[cfg(test)]
-        assert!(!std::mem::take(&mut self.fails_next), "asked for by a test");
-        // The bus stops all motors by itself after a silence of the program or a sleep of the computer.
-        self.is_halted |= host.bus.is_halted();
+        let fails = std::mem::take(&mut self.fails_next) || self.control.runs.program.fails;
+        #[cfg(test)]
+        assert!(!fails, "asked for by a test");
+        if !is_remembered {
+            entries.push(Entry::NotRemembered);
+        }
         for entry in entries {
+            self.has_queried |= matches!(entry, Entry::Event(Event::IdQueryEnded(_)));
             if let Entry::Event(Event::StopBegan(_)) = &entry {
                 self.stops_begun += 1;
             }
@@ -193,7 +199,7 @@ impl<C: Computer> Owner<C> {
     /// Tells what the run has said.
     fn tell_of_run(&mut self) {
         let now = self.computer.now();
-        for message in self.runs.program.program.take_messages() {
+        for message in self.control.runs.program.program.take_messages() {
             self.tell(now, Entry::Run(Box::new(message)));
         }
     }
@@ -239,7 +245,8 @@ impl<C: Computer> Owner<C> {
                 let bus = host.map(|host| &mut host.bus);
                 // A message of ours always encodes.
                 let bytes = encode(&message).unwrap_or_default();
-                self.runs.message(now, (bytes, is_old), bus, self.settings);
+                let PortControl { runs, settings, .. } = &mut self.control;
+                runs.message(now, (bytes, is_old), bus, *settings);
             }
             (Input::Status(answer), _) => {
                 // Who asked waits for it.
@@ -249,39 +256,29 @@ impl<C: Computer> Owner<C> {
             #[cfg(test)]
             (Input::Fail, _) => self.fails_next = true,
             #[cfg(test)]
-            (Input::FailRuns, _) => self.runs.program.fails = true,
+            (Input::FailRuns, _) => self.control.runs.program.fails = true,
         }
     }
 
     fn command(&mut self, now: Instant, command: Command) {
         match command {
-            Command::Configure(settings) => self.settings = settings,
             Command::Watch(id) => _ = self.watched.insert(id),
             Command::Forget(id) => _ = self.watched.remove(&id),
-            Command::StopAll(_) => self.is_halted = true,
-            Command::Release => self.is_halted = false,
             _ => {}
         }
-        match &mut self.host {
-            Some(host) if self.stage == Stage::Settled || !command.may_move() => {
-                let done = self
-                    .runs
-                    .command(now, command, &mut host.bus, self.settings);
-                if let Err(refusal) = done {
-                    let command = command.into();
-                    self.tell(now, Entry::Refused { command, refusal });
-                }
+        let is_settled = self.stage == Stage::Settled;
+        let bus = self.host.as_mut().map(|host| &mut host.bus);
+        let done = self.control.command(now, command, bus, is_settled);
+        match done {
+            Err(NotDone::Refused(refusal)) => {
+                let command = command.into();
+                self.tell(now, Entry::Refused { command, refusal });
             }
-            // They are done: they hold for the next port.
-            None if matches!(
-                command,
-                Command::Configure(_)
-                    | Command::Watch(_)
-                    | Command::Forget(_)
-                    | Command::StopAll(_)
-                    | Command::Release
-            ) => {}
-            _ => self.tell(now, Entry::NotConnected(command.into())),
+            // They hold for the next port.
+            Err(NotDone::NotConnected)
+                if matches!(command, Command::Watch(_) | Command::Forget(_)) => {}
+            Err(NotDone::NotConnected) => self.tell(now, Entry::NotConnected(command.into())),
+            Ok(()) => {}
         }
     }
 
@@ -290,7 +287,7 @@ impl<C: Computer> Owner<C> {
         Status {
             now,
             is_open: bus.is_some(),
-            is_halted: self.is_halted,
+            is_halted: self.control.is_halted,
             stops_begun: self.stops_begun,
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
             job: bus.and_then(motorlink_bus::Bus::job),

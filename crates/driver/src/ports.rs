@@ -6,8 +6,8 @@ use serialport::{SerialPortType, UsbPortInfo, available_ports};
 
 use crate::{
     holder::{Holder, holder_of},
-    line::VirtualLine,
     open_failure::OpenFailure,
+    virtual_line::VirtualLine,
 };
 
 /// Where the motors are.

@@ -3,14 +3,11 @@
 use motorlink_protocol::Instant;
 use motorlink_runs::{Decides, Input, Output, Program};
 
-/// The runs of a driver.
-pub(crate) type Runs = motorlink_runs::Runs<OwnProgram>;
-
 /// The program that decides.
 #[derive(Debug, Default)]
 pub(crate) struct OwnProgram {
     pub(crate) program: Program,
-    /// The next turn fails, for tests.
+    /// Every turn fails, for tests.
     #[cfg(test)]
     pub(crate) fails: bool,
 }

@@ -12,13 +12,13 @@ use std::{
 };
 
 use motorlink_bus::InFlight;
+use motorlink_port::{Line, Written};
 use motorlink_protocol::{Frame, Instant, family::Model};
 use serialport::SerialPort;
 
 use crate::{
     inputs::{Given, Input},
     latency::run_on_time,
-    line::{Line, Written},
 };
 
 /// How long a write may take: the buffer of the system has room for a frame, or the adapter is stalled.

@@ -6,6 +6,7 @@ use std::{
     time::Duration,
 };
 
+use motorlink_port::Line;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
@@ -15,7 +16,6 @@ use crate::{
     holder::holder_of,
     inputs::{Given, Input, Told},
     latency::ask_for_low_latency,
-    line::Line,
     locked_file::LockedFile,
     open_failure::OpenFailure,
     ports::ChosenPort,

@@ -11,7 +11,7 @@ use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::{
     Adapter, ConnectError, LeftBehind, Notice, PortRef, ToWorker, VirtualLine,
 };
-use motorlink_opening::{IfNoReply, Opening, Others, Step};
+use motorlink_port::{Host, IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
@@ -21,7 +21,7 @@ use crate::{
     line::Line,
     port_owner::{PortOwner, Shared},
     port_state::{AfterClosing, OpenPort, PortState, Stage},
-    serial::{self, ReadEnd, ReadEvent, SharedInFlight},
+    serial::{self, ReadEnd, ReadEvent},
 };
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
@@ -39,11 +39,12 @@ pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
         let mut owner = shared.borrow_mut();
         let now = owner.now();
         if let PortState::Open(open) = &mut owner.port
-            && open.bus.needs_stop(now)
+            && open.host.bus.needs_stop(now)
         {
             open.stage = Stage::Closing(then);
             // A stop is never refused.
             let _: Result<(), Refusal> = open
+                .host
                 .bus
                 .command(now, Command::StopAll(StopReason::Disconnect));
             return;
@@ -110,7 +111,7 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
         }
         let now = owner.now();
         match (&mut owner.port, event) {
-            (PortState::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
+            (PortState::Open(open), ReadEvent::Bytes(bytes)) => open.host.receive(now, bytes),
             (PortState::Open(open), ReadEvent::LineError(error)) => {
                 let count = open.line_errors.count(now);
                 if let Some(count) = count {
@@ -128,8 +129,8 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
     {
         let mut owner = shared.borrow_mut();
         let bus = owner.new_bus(line.model, Some(line));
-        let file = DrivenFile::default();
-        let open = OpenPort::new(Line::of_virtual(line), bus, Stage::Settled, file);
+        let line = Line::of_virtual(line);
+        let open = OpenPort::new(Host { bus, line }, Stage::Settled, DrivenFile::default());
         owner.set_port(PortState::Open(Box::new(open)));
     }
     pump(shared);
@@ -185,7 +186,7 @@ impl Attempt<'_> {
                 let now = owner.now();
                 let PortOwner { port, left, .. } = &mut *owner;
                 let bus = match port {
-                    PortState::Open(open) => Some(&mut open.bus),
+                    PortState::Open(open) => Some(&mut open.host.bus),
                     _ => None,
                 };
                 let usb = candidate.and_then(|port| port.usb);
@@ -281,20 +282,25 @@ impl Attempt<'_> {
             Ok(line) => line,
             Err(error) => return Ok(Err(error)),
         };
-        let (port, in_flight) = (line.port(), line.in_flight());
+        let port = line.port();
         let bus = {
             let mut owner = shared.borrow_mut();
             let now = owner.now();
-            let mut bus = owner.new_bus(model, None).on_trial();
+            let bus = owner.new_bus(model, None).after_another(now);
+            let mut bus = bus.on_trial();
             let count = owner.left.others(&line.others_of_make);
             let others = Others { count, tried };
             opening.opened(now, &mut bus, owner.left.of(line.usb()), others);
             bus
         };
-        let stage = Stage::OnTrial { lost: self.lost };
-        let open = OpenPort::new(Line::Serial(line), bus, stage, driven_file);
+        let stage = Stage::OnTrial {
+            lost: self.lost,
+            id_query: None,
+        };
+        let line = Line::Serial(line);
+        let open = OpenPort::new(Host { bus, line }, stage, driven_file);
         let generation = begin(shared, PortState::Open(Box::new(open)));
-        spawn_local(read(Rc::clone(shared), generation, port, in_flight));
+        spawn_local(read(Rc::clone(shared), generation, port));
         Ok(Ok(generation))
     }
 
@@ -304,11 +310,11 @@ impl Attempt<'_> {
             let mut owner = self.shared.borrow_mut();
             let now = owner.now();
             if let PortState::Open(open) = &mut owner.port
-                && let Stage::OnTrial { .. } = open.stage
+                && let Stage::OnTrial { id_query, .. } = open.stage
             {
                 open.stage = Stage::Settled;
-                open.bus.end_trial(now);
-                if let Some(outcome) = open.id_query.take() {
+                open.host.bus.end_trial(now);
+                if let Some(outcome) = id_query {
                     owner.outbox.notice(Notice::IdQueryEnded(outcome));
                 }
             }
@@ -375,17 +381,11 @@ fn begin(shared: &Shared, port: PortState) -> u32 {
 }
 
 /// Reads a port until it is closed or lost.
-async fn read(
-    shared: Shared,
-    generation: u32,
-    port: web_sys::SerialPort,
-    in_flight: SharedInFlight,
-) {
+async fn read(shared: Shared, generation: u32, port: web_sys::SerialPort) {
     let shared_by_reader = Rc::clone(&shared);
     let shared_by_events = Rc::clone(&shared);
     let ended = serial::read(
         port,
-        in_flight,
         move |reader| {
             let mut owner = shared_by_reader.borrow_mut();
             if owner.generation != generation {

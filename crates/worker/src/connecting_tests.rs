@@ -22,8 +22,8 @@ async fn driving(bench: &Bench, port: &MockPort) {
             let PortState::Open(open) = &owner.port else {
                 return false;
             };
-            let mut motors = open.bus.motors(bench.now());
-            open.bus.model_known() && motors.any(|motor| motor.last.is_some())
+            let mut motors = open.host.bus.motors(bench.now());
+            open.host.bus.model_known() && motors.any(|motor| motor.last.is_some())
         })
         .await;
     bench.command(Command::Drive {

@@ -1,7 +1,8 @@
 //! The line: a serial port or the virtual bus.
 
 use motorlink_messages::{Adapter, VirtualLine, VirtualWire};
-use motorlink_protocol::{Frame, Instant, MotorId};
+use motorlink_port::Written;
+use motorlink_protocol::{Frame, Instant, MotorId, family::Model};
 use motorlink_simulator::{LineCondition, World, WorldConfig};
 
 use crate::serial::SerialLine;
@@ -39,35 +40,36 @@ impl Line {
         }
     }
 
-    /// Returns whether the line accepted the frame.
-    #[must_use]
-    pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
-        match self {
-            Self::Serial(serial) => serial.write(now, frame),
-            Self::Virtual(_, world) => {
-                world.transmit(now, frame.bytes());
-                true
-            }
-        }
-    }
-
     /// Injects a fault into the virtual line, or removes it. Does nothing to a real one.
     pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
         if let Self::Virtual(_, world) = self {
             world.set_line_condition(now, line_condition(wire));
         }
     }
+}
 
-    /// The next received bytes of the virtual line.
-    pub(crate) fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
+impl motorlink_port::Line for Line {
+    fn write(&mut self, now: Instant, model: Model, frame: &Frame) -> Written {
         match self {
-            Self::Serial(_) => None,
-            Self::Virtual(_, world) => world.receive(now).map(|chunk| chunk.bytes.clone()),
+            Self::Serial(serial) => serial.write(now, model, frame),
+            Self::Virtual(_, world) => world.write(now, model, frame),
         }
     }
 
-    /// When [`Self::take_received`] may have bytes next.
-    pub(crate) fn next_event(&self) -> Option<Instant> {
+    fn has_received(&mut self) {
+        if let Self::Serial(serial) = self {
+            serial.has_received();
+        }
+    }
+
+    fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
+        match self {
+            Self::Serial(_) => None,
+            Self::Virtual(_, world) => world.take_received(now),
+        }
+    }
+
+    fn next_event(&self) -> Option<Instant> {
         match self {
             Self::Serial(_) => None,
             Self::Virtual(_, world) => world.next_event(),

@@ -2,10 +2,11 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Bus, BusSettings, Event, Output};
-use motorlink_messages::{LeftBehind, ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
+use motorlink_bus::{Bus, Event};
+use motorlink_messages::{ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
+use motorlink_port::{Closed, PortControl, Turned};
 use motorlink_protocol::{Instant, MotorId, family::Model};
-use motorlink_runs::{Input, Runs};
+use motorlink_runs::Input;
 use web_sys::MessagePort;
 
 use crate::{
@@ -34,12 +35,9 @@ pub(crate) struct PortOwner {
     /// The number of the port state: a task of an older one must not touch a newer one.
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
-    settings: BusSettings,
+    pub(crate) control: PortControl<Loading>,
     /// The model of the motors on the serial port.
     pub(crate) model: ModelChoice,
-    /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
-    halted: bool,
-    pub(crate) runs: Runs<Loading>,
     /// What was left driven on adapters that are not open.
     pub(crate) left: Left,
     /// Whether the page was told that what is driven cannot be remembered.
@@ -60,10 +58,8 @@ impl PortOwner {
             port: PortState::Closed,
             generation: 0,
             selected: MotorId::FIRST,
-            settings: BusSettings::default(),
+            control: PortControl::default(),
             model: ModelChoice::default(),
-            halted: false,
-            runs: Runs::default(),
             left: Left::default(),
             told_not_remembered: false,
             page_clock: PageClock::default(),
@@ -81,23 +77,15 @@ impl PortOwner {
         self.clock.now()
     }
 
-    /// A new bus for this model, on which nothing drives; `line` is the virtual one. It is halted if "Stop all
-    /// motors" is in effect.
+    /// A new bus for this model, on which nothing drives; `line` is the virtual one.
     pub(crate) fn new_bus(&self, model: Model, line: Option<VirtualLine>) -> Bus {
-        let now = self.now();
-        let mut bus = Bus::with_model(now, model);
-        if line.is_none() {
-            bus = bus.after_another(now);
-        }
-        if self.halted {
-            bus = bus.into_halted();
-        }
         // The motors of a virtual line are known, and several would reply to the ID query at once.
         let known = line.filter(|line| line.count() > 1);
         let asks_for_id = known.is_none();
         let watched = known.into_iter().flat_map(VirtualLine::ids);
         let watched = watched.chain([self.selected]);
-        bus.prepared(now, self.settings, asks_for_id, watched)
+        let now = self.now();
+        self.control.new_bus(now, model, asks_for_id, watched)
     }
 
     /// Sets the state of the port; returns the old one and the number of the new one.
@@ -105,22 +93,20 @@ impl PortOwner {
         self.generation += 1;
         self.outbox.touch();
         let now = self.now();
-        self.runs.closed(now, Input::Closed, self.settings);
+        self.control.closed(now, Input::Closed);
         let mut left = std::mem::replace(&mut self.port, port);
         if let PortState::Open(open) = &mut left {
             // A scan or an ID change that ends with its port is reported as cancelled.
-            let last_events: Vec<Event> = open.bus.close(now).collect();
-            for event in last_events {
+            let Closed { last, left } = open.host.close(now);
+            for event in last {
                 match event {
                     Event::Line(traffic) => self.traffic.push(traffic),
-                    event => forward(&mut self.outbox, open, event),
+                    event => forward(&mut self.outbox, &mut open.stage, &open.host.bus, event),
                 }
             }
             self.traffic.send_soon();
-            if let Line::Serial(line) = &open.line {
-                let motors: Vec<_> = open.bus.left_driven().collect();
-                let model = open.bus.model();
-                self.left.of(line.usb()).carry(LeftBehind { model, motors });
+            if let Line::Serial(line) = &open.host.line {
+                self.left.of(line.usb()).carry(left);
             }
         }
         (left, self.generation)
@@ -138,9 +124,9 @@ impl PortOwner {
             Stage::Closing(then) => Some(std::mem::take(then)),
             Stage::OnTrial { .. } | Stage::Settled => None,
         };
-        let adapter = open.line.adapter();
-        let driven = open.bus.left_driven().map(|motor| motor.id).collect();
-        if let Line::Serial(line) = &mut open.line {
+        let adapter = open.host.line.adapter();
+        let driven = open.host.bus.left_driven().map(|motor| motor.id).collect();
+        if let Line::Serial(line) = &mut open.host.line {
             if matches!(open.stage, Stage::OnTrial { .. }) {
                 self.left.lost_on_trial += 1;
             } else {
@@ -148,7 +134,7 @@ impl PortOwner {
             }
         }
         self.outbox.notice(Notice::AdapterLost { driven });
-        self.runs.closed(now, Input::Unplugged, self.settings);
+        self.control.closed(now, Input::Unplugged);
         let waiting = if leaving.is_some() {
             PortState::Closed
         } else {
@@ -165,49 +151,59 @@ impl PortOwner {
     pub(crate) fn turn(&mut self) -> Option<AfterClosing> {
         let now = self.now();
         let mut wake = None;
-        let mut left = None;
+        let mut leaving = None;
         if let PortState::Open(open) = &mut self.port {
-            let settings = self.settings;
-            self.runs.tick(now, &mut open.bus, settings);
-            let asks_again = open.asks_again.turn(now, &mut open.bus);
-            let at = loop {
-                let OpenPort { bus, line, .. } = &mut **open;
-                let received = || line.take_received(now);
-                let output = self.runs.poll(now, bus, settings, received);
-                // Before the frame: a process that is killed behind it leaves a file that names the motor.
-                if !open.remember(&mut self.left) && !self.told_not_remembered {
-                    self.told_not_remembered = true;
-                    self.outbox.notice(Notice::NotRemembered);
-                }
-                match output {
-                    Output::Transmit(frame) if open.line.write(now, frame) => {
-                        self.runs.frame_taken(self.clock.now());
+            let OpenPort {
+                host,
+                stage,
+                asks_again,
+                driven_file,
+                ..
+            } = &mut **open;
+            let asks_again_at = asks_again.turn(now, &mut host.bus);
+            // Virtual motors need no file.
+            let left = match &host.line {
+                Line::Serial(serial) => Some(self.left.of(serial.usb())),
+                Line::Virtual(..) => None,
+            };
+            let mut is_remembered = true;
+            let turned = self.control.turn(
+                now,
+                || self.clock.now(),
+                host,
+                |bus| {
+                    if let Some(left) = &left {
+                        is_remembered &=
+                            driven_file.remember(bus.model(), || bus.left_driven(), left);
                     }
-                    Output::Transmit(_) => open.bus.transmit_failed(),
-                    Output::Event(Event::PingPage) => {
+                },
+                |bus, event| match event {
+                    Event::PingPage => {
                         post(&ToPage::Ping);
                         self.outbox.pinged(now);
                     }
                     // Events of a port on trial too: the log shows all traffic.
-                    Output::Event(Event::Line(traffic)) => self.traffic.push(traffic),
+                    Event::Line(traffic) => self.traffic.push(traffic),
                     // The page knows that nothing answers.
-                    Output::Event(Event::IdQueryEnded(outcome))
-                        if !open.asks_again.ended(now, outcome) => {}
-                    Output::Event(event) => {
+                    Event::IdQueryEnded(outcome) if !asks_again.ended(now, outcome) => {}
+                    event => {
                         if let Event::StopEnded(_) = event
-                            && let Stage::Closing(then) = &mut open.stage
+                            && let Stage::Closing(then) = stage
                         {
-                            left = Some(std::mem::take(then));
+                            leaving = Some(std::mem::take(then));
                         }
-                        forward(&mut self.outbox, open, event);
+                        forward(&mut self.outbox, stage, bus, event);
                     }
-                    Output::Wait(at) => break at,
-                }
+                },
+            );
+            if !is_remembered && !std::mem::replace(&mut self.told_not_remembered, true) {
+                self.outbox.notice(Notice::NotRemembered);
+            }
+            wake = match turned {
+                Turned::Wait(at) => asks_again_at.into_iter().chain([at]).min(),
+                // The reader of the port tells it.
+                Turned::Gone => None,
             };
-            // The bus stops all motors by itself after a silence of the page or a sleep of the computer.
-            self.halted |= open.bus.is_halted();
-            let others = [open.line.next_event(), self.runs.wake(), asks_again];
-            wake = others.into_iter().flatten().chain([at]).min();
         }
         // The recorder gets all traffic of a port before the page learns that the port is closed.
         if self.traffic.due().is_some_and(|due| due <= now) {
@@ -225,19 +221,19 @@ impl PortOwner {
         if let Some(at) = wake.into_iter().chain(outbox_due).chain(traffic_due).min() {
             self.alarm.arm(now, at);
         }
-        left
+        leaving
     }
 
     fn current_state(&self, now: Instant) -> Update {
         let mut update = Update::without_motors(now, self.port.connection());
-        update.halted = self.halted;
+        update.halted = self.control.is_halted;
         if let PortState::Open(open) = &self.port
             && !matches!(open.stage, Stage::OnTrial { .. })
         {
-            update.motors = open.bus.motors(now).collect();
-            update.job = open.bus.job();
-            update.raw = open.bus.raw();
-            update.line = Some(open.bus.line_status(now));
+            update.motors = open.host.bus.motors(now).collect();
+            update.job = open.host.bus.job();
+            update.raw = open.host.bus.raw();
+            update.line = Some(open.host.bus.line_status(now));
         }
         update
     }

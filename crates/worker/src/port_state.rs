@@ -1,12 +1,12 @@
 //! The state of the port.
 
-use motorlink_bus::{Bus, IdQueryOutcome};
+use motorlink_bus::IdQueryOutcome;
 use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
+use motorlink_port::Host;
 use web_sys::ReadableStreamDefaultReader;
 
 use crate::{
-    asks_again::AsksAgain, driven_file::DrivenFile, left::Left, line::Line,
-    line_errors::LineErrors, serial,
+    asks_again::AsksAgain, driven_file::DrivenFile, line::Line, line_errors::LineErrors, serial,
 };
 
 /// The state of the port.
@@ -35,8 +35,10 @@ impl PortState {
             Self::Opening { lost } => opening(*lost),
             Self::Lost(adapter) => Connection::Reconnecting(*adapter),
             Self::Open(open) => match open.stage {
-                Stage::OnTrial { lost } => opening(lost),
-                Stage::Settled | Stage::Closing(_) => Connection::Connected(open.line.adapter()),
+                Stage::OnTrial { lost, .. } => opening(lost),
+                Stage::Settled | Stage::Closing(_) => {
+                    Connection::Connected(open.host.line.adapter())
+                }
             },
         }
     }
@@ -48,13 +50,10 @@ fn opening(lost: Option<Adapter>) -> Connection {
 
 /// An open port with the bus on it.
 pub(crate) struct OpenPort {
-    pub(crate) line: Line,
-    pub(crate) bus: Bus,
+    pub(crate) host: Host<Line>,
     pub(crate) stage: Stage,
     /// The reader of the port; closing the port cancels it.
     pub(crate) reader: Option<ReadableStreamDefaultReader>,
-    /// The outcome of the ID query during the trial, for the page once the port is settled.
-    pub(crate) id_query: Option<IdQueryOutcome>,
     /// When the ID query is repeated, while no motor has answered.
     pub(crate) asks_again: AsksAgain,
     /// Remembers what is driven.
@@ -73,6 +72,8 @@ pub(crate) enum Stage {
     OnTrial {
         /// The adapter that was unplugged, if this is a reconnect.
         lost: Option<Adapter>,
+        /// The outcome of the ID query, for the page once the port is settled.
+        id_query: Option<IdQueryOutcome>,
     },
     /// The page may drive.
     Settled,
@@ -81,32 +82,19 @@ pub(crate) enum Stage {
 }
 
 impl OpenPort {
-    pub(crate) fn new(line: Line, bus: Bus, stage: Stage, driven_file: DrivenFile) -> Self {
+    pub(crate) fn new(host: Host<Line>, stage: Stage, driven_file: DrivenFile) -> Self {
         Self {
-            line,
-            bus,
+            host,
             stage,
             reader: None,
-            id_query: None,
             asks_again: AsksAgain::default(),
             driven_file,
             line_errors: LineErrors::default(),
         }
     }
 
-    /// Writes what is driven, and what was left driven on adapters of this make, if it has changed. Returns false if it
-    /// cannot be remembered. Virtual motors need no file.
-    pub(crate) fn remember(&mut self, left: &mut Left) -> bool {
-        let Line::Serial(serial) = &self.line else {
-            return true;
-        };
-        let (bus, left) = (&self.bus, left.of(serial.usb()));
-        self.driven_file
-            .remember(bus.model(), || bus.left_driven(), left)
-    }
-
     pub(crate) async fn close(self) {
-        if let Line::Serial(serial) = self.line {
+        if let Line::Serial(serial) = self.host.line {
             serial::close(serial, self.reader).await;
         }
     }

@@ -1,7 +1,7 @@
 //! Web Serial: opening, reading, writing and closing a port, and what its errors mean.
 
 use std::{
-    cell::{Cell, RefCell},
+    cell::RefCell,
     future::{Future, poll_fn},
     pin::pin,
     rc::Rc,
@@ -13,6 +13,7 @@ use gloo_timers::future::sleep;
 use js_sys::{Object, Promise, Reflect, Uint8Array};
 use motorlink_bus::InFlight;
 use motorlink_messages::{ConnectError, LineError, PortRef, UsbId};
+use motorlink_port::Written;
 use motorlink_protocol::{Frame, Instant, family::Model};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
@@ -45,16 +46,11 @@ const RENEWED_STEP: Duration = Duration::from_millis(5);
 pub(crate) struct SerialLine {
     port: SerialPort,
     writer: Option<Writer>,
-    in_flight: SharedInFlight,
+    in_flight: InFlight,
     usb: Option<UsbId>,
     /// The other ports of the same make when it was opened.
     pub(crate) others_of_make: Vec<SerialPort>,
-    /// The model of the motors, which decides the baud rate.
-    model: Model,
 }
-
-/// Frames that may not have been sent yet: the writing side adds them, the reading side confirms them.
-pub(crate) type SharedInFlight = Rc<Cell<InFlight>>;
 
 /// The writer of a port. A line error ends its stream.
 struct Writer {
@@ -163,7 +159,7 @@ pub(crate) async fn open(
                     |other: &SerialPort| usb_of(other) == wanted.usb && !Object::is(other, &port);
                 return Ok(SerialLine {
                     others_of_make: ports.into_iter().filter(is_other).collect(),
-                    ..SerialLine::new(port.clone(), model)
+                    ..SerialLine::new(port.clone())
                 });
             }
             Err(error) => open_error(&error),
@@ -181,37 +177,35 @@ impl SerialLine {
         self.usb
     }
 
-    fn new(port: SerialPort, model: Model) -> Self {
+    fn new(port: SerialPort) -> Self {
         Self {
-            model,
             usb: usb_of(&port),
             writer: None,
-            in_flight: SharedInFlight::default(),
+            in_flight: InFlight::default(),
             others_of_make: Vec::new(),
             port,
         }
     }
 
     /// Writes a frame to the port, unless it would have to wait behind others: then it is already late,
-    /// and the motor may have stopped meanwhile. Returns whether the frame was written.
+    /// and the motor may have stopped meanwhile.
     ///
     /// A successful write proves nothing: the first write after an unplug succeeds too. Failures show
     /// on the reading side.
-    pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
-        let (model, mut in_flight) = (self.model, self.in_flight.get());
-        let Some(writer) = self.writer() else {
-            return false;
+    pub(crate) fn write(&mut self, now: Instant, model: Model, frame: &Frame) -> Written {
+        let is_admitted = self.in_flight.admits(now, model, frame);
+        let Some(writer) = self
+            .writer()
+            .filter(|writer| is_admitted && writer.is_empty())
+        else {
+            return Written::Refused;
         };
-        let accepts = writer.is_empty() && in_flight.admits(now, model, &frame);
-        if accepts {
-            // A new array, because the browser may read it after this returns.
-            let bytes = Uint8Array::from(frame.bytes().as_slice());
-            let written = writer.end.write_with_chunk(&bytes);
-            let _ = IGNORE.with(|ignore| written.catch(ignore));
-            in_flight.handed_over(now, model, &frame);
-            self.in_flight.set(in_flight);
-        }
-        accepts
+        // A new array, because the browser may read it after this returns.
+        let bytes = Uint8Array::from(frame.bytes().as_slice());
+        let written = writer.end.write_with_chunk(&bytes);
+        let _ = IGNORE.with(|ignore| written.catch(ignore));
+        self.in_flight.handed_over(now, model, frame);
+        Written::Taken
     }
 
     /// The writer. A line error ends its stream, and the port then has another stream; frames written to
@@ -232,9 +226,9 @@ impl SerialLine {
         }
     }
 
-    /// The frames in flight; [`read`] confirms them.
-    pub(crate) fn in_flight(&self) -> SharedInFlight {
-        Rc::clone(&self.in_flight)
+    /// Bytes have arrived: the line carries frames.
+    pub(crate) fn has_received(&mut self) {
+        self.in_flight.received();
     }
 
     pub(crate) fn port(&self) -> SerialPort {
@@ -245,21 +239,13 @@ impl SerialLine {
 /// Reads a port until it is closed or lost.
 ///
 /// Every new reader is passed to `wanted`, so that it can be cancelled; `wanted` returns whether to
-/// read on. Received bytes confirm the frames `in_flight`.
+/// read on.
 pub(crate) async fn read(
     port: SerialPort,
-    in_flight: SharedInFlight,
     mut wanted: impl FnMut(Option<ReadableStreamDefaultReader>) -> bool,
     on_event: impl Fn(ReadEvent) + 'static,
 ) -> ReadEnd {
-    let on_event: Rc<dyn Fn(ReadEvent)> = Rc::new(move |event: ReadEvent| {
-        if let ReadEvent::Bytes(_) = event {
-            let mut proved = in_flight.get();
-            proved.received();
-            in_flight.set(proved);
-        }
-        on_event(event);
-    });
+    let on_event: Rc<dyn Fn(ReadEvent)> = Rc::new(on_event);
     while let Some(stream) = readable(&port) {
         let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
             return ReadEnd::Lost;
@@ -474,7 +460,7 @@ mod tests {
     }
 
     fn write(line: &mut SerialLine, (now, frame): (Instant, Frame)) -> bool {
-        line.write(now, frame)
+        line.write(now, Model::Ddsm115, &frame) == Written::Taken
     }
 
     fn rows(places: &[u8]) -> Vec<Vec<u8>> {
@@ -485,7 +471,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_that_was_written_is_not_overwritten_by_the_next() {
         let port = port();
-        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
+        let mut line = SerialLine::new(port.clone());
         for place in 1..=3 {
             turn().await;
             assert!(write(&mut line, query(place)));
@@ -498,7 +484,7 @@ mod tests {
     async fn behind_a_frame_that_waits_in_the_stream_none_is_taken() {
         let port = port();
         set(&port, "holds", true);
-        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         assert!(write(&mut line, query(1)));
         turn().await;
@@ -509,7 +495,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn behind_a_write_that_failed_frames_go_to_the_new_stream() {
         let port = port();
-        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         set(&port, "fails", true);
         write(&mut line, query(1));
@@ -524,7 +510,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_is_not_taken_where_the_port_has_no_stream_any_more() {
         let port = port();
-        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         assert!(write(&mut line, query(1)));
         set(&port, "writable", JsValue::NULL);
@@ -536,22 +522,20 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_drive_frame_is_not_taken_behind_another_before_a_byte_has_come() {
         let port = port();
-        let mut line = SerialLine::new(port, Model::Ddsm115);
+        let mut line = SerialLine::new(port);
         let rpm = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
         let drive = Request::drive(MotorId::FIRST, rpm(100)).frame();
         let brake = Request::drive(MotorId::FIRST, Setpoint::Brake).frame();
-        let taken =
-            |line: &mut SerialLine, millis, frame| line.write(Instant::from_millis(millis), frame);
+        let taken = |line: &mut SerialLine, millis, frame| {
+            write(line, (Instant::from_millis(millis), frame))
+        };
         turn().await;
         assert!(taken(&mut line, 10, drive));
         turn().await;
         assert!(!taken(&mut line, 20, drive));
         assert!(taken(&mut line, 20, brake));
         turn().await;
-        let in_flight = line.in_flight();
-        let mut proved = in_flight.get();
-        proved.received();
-        in_flight.set(proved);
+        line.has_received();
         assert!(taken(&mut line, 30, drive));
     }
 }

@@ -35,11 +35,10 @@ const CRATES: [&[&str]; 12] = [
     ],
     &["motorlink-remote-server"],
     &["motorlink-driver"],
-    &["motorlink-session"],
+    &["motorlink-session", "motorlink-port"],
     &[
         "motorlink-recorder",
         "motorlink-runs",
-        "motorlink-opening",
         "motorlink-kept-runs",
         "motorlink-remote",
     ],

@@ -129,7 +129,7 @@ impl Sabotage {
 
     /// Which worlds notice. A DDSM115 tells every value in one reply, so none of them can be invented unless the reply is.
     fn worlds(&self) -> [&'static str; 2] {
-        let of_driver = ["crates/driver/", "crates/opening/"];
+        let of_driver = ["crates/driver/", "crates/port/"];
         match self.rule {
             _ if of_driver.iter().any(|part| self.file.starts_with(part)) => ["--play", "driver"],
             "NoInventedValue" => ["--model", "ddsm210"],

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Notice, VirtualWire};
+use motorlink_port::{NotDone, PortControl};
 use motorlink_protocol::MotorId;
 
 use super::PortOwner;
@@ -19,17 +20,20 @@ impl PortOwner {
         self.outbox.touch();
         if let PortState::Open(open) = &mut self.port {
             let never_replied: Vec<_> = open
+                .host
                 .bus
                 .motors(now)
                 .filter(|motor| {
-                    motor.last.is_none() && !motor.may_turn && !open.line.is_made_with(motor.id)
+                    motor.last.is_none()
+                        && !motor.may_turn
+                        && !open.host.line.is_made_with(motor.id)
                 })
                 .map(|m| m.id)
                 .collect();
             let forget = never_replied.into_iter().map(Command::Forget);
             for command in forget.chain([Command::Watch(id)]) {
                 // Refused for a driven motor, which stays watched.
-                let _: Result<(), Refusal> = open.bus.command(now, command);
+                let _: Result<(), Refusal> = open.host.bus.command(now, command);
             }
         }
     }
@@ -43,10 +47,13 @@ impl PortOwner {
     pub(crate) fn run_message(&mut self, message: Message) {
         let now = self.now();
         let bus = match &mut self.port {
-            PortState::Open(open) if matches!(open.stage, Stage::Settled) => Some(&mut open.bus),
+            PortState::Open(open) if matches!(open.stage, Stage::Settled) => {
+                Some(&mut open.host.bus)
+            }
             _ => None,
         };
-        self.runs.message(now, message, bus, self.settings);
+        let PortControl { runs, settings, .. } = &mut self.control;
+        runs.message(now, message, bus, *settings);
     }
 
     pub(crate) fn command(&mut self, command: Command, given_ms: f64) {
@@ -55,41 +62,36 @@ impl PortOwner {
             self.outbox.notice(Notice::TooLate(command.into()));
             return;
         }
-        match command {
-            Command::Configure(of_person) => self.settings = of_person,
-            Command::StopAll(_) => self.halted = true,
-            Command::Release => self.halted = false,
-            _ => {}
-        }
         if matches!(command, Command::StopAll(StopReason::PageGone)) {
             self.traffic.send_soon();
         }
         self.outbox.touch();
-        match &mut self.port {
+        let (bus, is_settled) = match &mut self.port {
             PortState::Open(open) => {
-                if command.may_move() && !matches!(open.stage, Stage::Settled) {
-                    self.outbox.notice(Notice::NotConnected);
-                    return;
-                }
-                let (bus, settings) = (&mut open.bus, self.settings);
-                if let Err(refusal) = self.runs.command(now, command, bus, settings) {
-                    let command = command.into();
-                    self.outbox.notice(Notice::Refused { command, refusal });
-                }
+                let is_settled = matches!(open.stage, Stage::Settled);
+                (Some(&mut open.host.bus), is_settled)
             }
-            _ => match command {
-                // Nothing to stop; nothing drives until the user releases.
-                Command::StopAll(reason) => {
-                    self.outbox.notice(Notice::StopBegan(reason));
-                    let report = StopReport {
-                        reason,
-                        motors: Vec::new(),
-                    };
-                    self.outbox.notice(Notice::StopEnded(report));
-                }
-                Command::Release | Command::Configure(_) => {}
-                _ => self.outbox.notice(Notice::NotConnected),
-            },
+            _ => (None, false),
+        };
+        let is_open = bus.is_some();
+        match self.control.command(now, command, bus, is_settled) {
+            Err(NotDone::Refused(refusal)) => {
+                let command = command.into();
+                self.outbox.notice(Notice::Refused { command, refusal });
+            }
+            Err(NotDone::NotConnected) => self.outbox.notice(Notice::NotConnected),
+            Ok(()) => {}
+        }
+        if let Command::StopAll(reason) = command
+            && !is_open
+        {
+            // Nothing to stop; nothing drives until the user releases.
+            self.outbox.notice(Notice::StopBegan(reason));
+            let report = StopReport {
+                reason,
+                motors: Vec::new(),
+            };
+            self.outbox.notice(Notice::StopEnded(report));
         }
     }
 
@@ -99,7 +101,7 @@ impl PortOwner {
         let PortState::Open(open) = &mut self.port else {
             return;
         };
-        if open.line.adapter().virtual_line().is_none() {
+        if open.host.line.adapter().virtual_line().is_none() {
             return;
         }
         if wire == VirtualWire::SharedId {
@@ -108,6 +110,7 @@ impl PortOwner {
             let left_alone =
                 |activity| matches!(activity, Activity::Idle | Activity::Stopping { .. });
             let driven: Vec<_> = open
+                .host
                 .bus
                 .motors(now)
                 .filter(|motor| !left_alone(motor.activity))
@@ -115,10 +118,10 @@ impl PortOwner {
                 .collect();
             for command in driven.into_iter().chain([Command::StopRaw]) {
                 // A stop is never refused.
-                let _: Result<(), Refusal> = open.bus.command(now, command);
+                let _: Result<(), Refusal> = open.host.bus.command(now, command);
             }
         }
-        open.line.set_wire(now, wire);
+        open.host.line.set_wire(now, wire);
         self.outbox.touch();
     }
 
@@ -127,7 +130,7 @@ impl PortOwner {
         self.page_clock.heard(now, page_ms);
         self.outbox.page_answered();
         if let PortState::Open(open) = &mut self.port {
-            open.bus.page_answered(now);
+            open.host.bus.page_answered(now);
         }
     }
 }

@@ -17,10 +17,10 @@ use crate::{
 /// Passes a message of the page to the program. The first one loads it.
 pub(crate) fn run_message(shared: &Shared, message: Message) {
     let mut owner = shared.borrow_mut();
-    match &mut owner.runs.program {
+    match &mut owner.control.runs.program {
         Loading::Done(_) => owner.run_message(message),
         Loading::Begun(waiting) => waiting.push(message),
-        Loading::Failed => owner.runs.program.has_failed(),
+        Loading::Failed => owner.control.runs.program.has_failed(),
         program @ Loading::No => {
             *program = Loading::Begun(vec![message]);
             let shared = Rc::clone(shared);
@@ -37,7 +37,7 @@ fn loading_ended(shared: &Shared, loaded: Result<Function, JsValue>) {
     let mut owner = shared.borrow_mut();
     match loaded {
         Ok(program) => {
-            let before = std::mem::replace(&mut owner.runs.program, Loading::Done(program));
+            let before = std::mem::replace(&mut owner.control.runs.program, Loading::Done(program));
             if let Loading::Begun(waiting) = before {
                 for message in waiting {
                     owner.run_message(message);
@@ -46,9 +46,9 @@ fn loading_ended(shared: &Shared, loaded: Result<Function, JsValue>) {
         }
         Err(error) => {
             report("the program of the runs could not be loaded", &error);
-            owner.runs.program.has_failed();
+            owner.control.runs.program.has_failed();
             // The network may be back when the person tries again.
-            owner.runs.program = Loading::No;
+            owner.control.runs.program = Loading::No;
         }
     }
 }

@@ -6,7 +6,7 @@ use motorlink_bus::{
     Bus, BusSettings, Command, Consent, Event, LeftDriven, Output, StopOutcome, StopReason,
 };
 use motorlink_messages::{LeftBehind, ModelChoice};
-use motorlink_opening::{IfNoReply, Opening, Others, Step};
+use motorlink_port::{IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{
     Frame, Instant, MotorId, Setpoint, SpeedTarget,
     family::{Model, Request},

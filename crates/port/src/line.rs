@@ -1,7 +1,7 @@
 //! The line: what the bus writes to and reads from.
 
-use motorlink_protocol::{Frame, Instant, MotorId, family::Model};
-use motorlink_simulator::{World, WorldConfig};
+use motorlink_protocol::{Frame, Instant, family::Model};
+use motorlink_simulator::World;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,29 +33,25 @@ pub trait Line {
     }
 }
 
+impl<L: Line + ?Sized> Line for Box<L> {
+    fn write(&mut self, now: Instant, model: Model, frame: &Frame) -> Written {
+        (**self).write(now, model, frame)
+    }
+
+    fn has_received(&mut self) {
+        (**self).has_received();
+    }
+
+    fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
+        (**self).take_received(now)
+    }
+
+    fn next_event(&self) -> Option<Instant> {
+        (**self).next_event()
+    }
+}
+
 /// Virtual motors in this process.
-#[derive(Clone, Debug)]
-pub struct VirtualLine {
-    /// Their initial state.
-    pub world: WorldConfig,
-}
-
-impl VirtualLine {
-    /// Motors of this model with these IDs, at rest on a faultless wire.
-    #[must_use]
-    pub fn of(model: Model, ids: impl IntoIterator<Item = MotorId>) -> Self {
-        Self {
-            world: WorldConfig::of(model, ids),
-        }
-    }
-
-    /// The model of its motors.
-    pub(crate) fn model(&self) -> Model {
-        let first = self.world.motors.first();
-        first.map_or(Model::Ddsm115, |motor| motor.model)
-    }
-}
-
 impl Line for World {
     fn write(&mut self, now: Instant, _model: Model, frame: &Frame) -> Written {
         self.transmit(now, frame.bytes());
@@ -67,6 +63,6 @@ impl Line for World {
     }
 
     fn next_event(&self) -> Option<Instant> {
-        World::next_event(self)
+        Self::next_event(self)
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use computer::{Adapter, Computer, id};
 use motorlink_bus::LeftDriven;
 use motorlink_messages::{LeftBehind, ModelChoice};
-use motorlink_opening::IfNoReply::{KeepWaiting, TakeFirst};
+use motorlink_port::IfNoReply::{KeepWaiting, TakeFirst};
 use motorlink_protocol::{Mode, family::Model};
 
 const SEEDS: u64 = 1_000;
