@@ -159,11 +159,19 @@ fn hold_showing(
     shows: bool,
 ) -> Result<(), Failure> {
     let model = connection.driver.model();
+    let mut all_driven = false;
     let mut until = None;
     let mut was_lost = false;
     let mut draw_at = Instant::now();
     loop {
-        if let Happened::Entry(_, entry) = connection.next()? {
+        // Once all are driven, the program sleeps until it has something to do.
+        let next = until.map_or(draw_at, |until: Instant| until.min(draw_at));
+        let wait = if all_driven {
+            next.saturating_duration_since(Instant::now())
+        } else {
+            STEP
+        };
+        if let Happened::Entry(_, entry) = connection.next_within(wait)? {
             was_lost |= matches!(entry, Entry::PortLost { .. });
             if ends_drive(&entry, was_lost) {
                 return Err(Failure::NotDone("the drive has ended".to_owned()));
@@ -173,7 +181,11 @@ fn hold_showing(
         if until.is_some_and(|until| now >= until) {
             return Ok(());
         }
-        if now < draw_at && until.is_some() {
+        let draws = now >= draw_at;
+        if draws {
+            draw_at = now + DRAW;
+        }
+        if all_driven && !(draws && shows) {
             continue;
         }
         let status = connection.status()?;
@@ -181,14 +193,12 @@ fn hold_showing(
         let is_driven = |signed: &SignedId| {
             of(signed).is_some_and(|motor| matches!(motor.activity, Activity::Driven { .. }))
         };
-        if until.is_none() && connection.motors.iter().all(is_driven) {
+        if !all_driven && connection.motors.iter().all(is_driven) {
+            all_driven = true;
             until = secs.map(|secs| now + secs);
         }
-        if now >= draw_at {
-            draw_at = now + DRAW;
-            if shows {
-                draw(&status, &connection.motors, model);
-            }
+        if draws && shows {
+            draw(&status, &connection.motors, model);
         }
     }
 }
