@@ -70,6 +70,30 @@ fn a_machine_that_stood_still_for_a_moment_makes_no_slow_scan() {
     }
 }
 
+/// The queries of several windows go out at once, and the replies to them collide.
+#[test]
+fn an_adapter_that_stalls_for_some_windows_hides_no_motor() {
+    for stall in 1..45 {
+        for before in [88, 89, 90] {
+            let mut fixture = unknown(&[1, 90, 91, 254], WireFaults::default(), stall);
+            fixture.command(Command::FullScan).unwrap();
+            let is_next = |fixture: &Fixture| {
+                let last = fixture.sent.last().map(|sent| sent.frame);
+                last.is_some_and(|frame| frame.bytes()[..2] == [before, 0x74])
+            };
+            fixture.run_until(ms(5_000), is_next);
+            fixture.stall(ms(stall));
+            fixture.run_until(ms(60_000), |fixture| scan_ended(fixture).is_some());
+            let report = scan_ended(&fixture).unwrap();
+            assert_eq!(
+                report.found,
+                ids(&[1, 90, 91, 254]),
+                "{stall} ms from {before} on: {report:?}"
+            );
+        }
+    }
+}
+
 /// The figure over 1,000 seeds is printed by `cargo xtask fixture`; here a few, so that a scan that
 /// gives up too early is noticed.
 #[test]

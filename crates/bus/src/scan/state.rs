@@ -10,6 +10,7 @@
 //! |---|---|
 //! | every address | once |
 //! | one that answered | until two good replies, so that no noise is taken for a motor |
+//! | one that was silent less than 50 ms before noise | once more |
 //! | one whose window held noise, or whose reply came late | until a look is clean, at most [`PROBES_MAX`](super::address::PROBES_MAX) times |
 //! | one that is noisy after that, of a few | as often again, with a window that late bytes do not outlast, until three in a row are clean |
 //! | every silent address, on a line that loses replies | once more for every loss, at most [`PASSES_ON_A_BAD_LINE`] times |
@@ -46,10 +47,6 @@ const SLOW_EXCHANGE: Duration = Duration::from_millis(8);
 
 /// With one reply in twenty lost, four probes miss a motor once in 160,000 times.
 const PASSES_ON_A_BAD_LINE: u8 = 4;
-
-/// So many addresses that are still noisy are asked again: more are no late bytes of a busy machine. With six probes of
-/// 50 ms each they take 2.4 s.
-const SECOND_LOOKS_MAX: usize = 8;
 
 /// So many silent windows in a row show that the noise was not of this address: with one reply in twenty lost, two motors
 /// with one ID are that quiet once in 8,000 times.
@@ -178,20 +175,6 @@ impl Scan {
         None
     }
 
-    /// Addresses that are noisy after all probes, if they are few. They get as many probes again.
-    fn look_again(&mut self) -> VecDeque<MotorId> {
-        let noisy: VecDeque<MotorId> = self.noisy();
-        if noisy.len() > SECOND_LOOKS_MAX {
-            return VecDeque::new();
-        }
-        for id in &noisy {
-            if let Some(address) = self.addresses.get_mut(place(*id)) {
-                address.probes = 0;
-            }
-        }
-        noisy
-    }
-
     /// Reply window of a probe.
     pub(crate) fn window(&self) -> Duration {
         if self.is_second_look {
@@ -224,12 +207,12 @@ impl Scan {
         if let ProbeResult::Reply(took) = result {
             self.reply_times.add(took);
         }
-        let before = self
-            .previous_unanswered
-            .take()
-            .filter(|_| result == ProbeResult::Noise && !self.is_behind_blocks());
-        if let Some(before) = before {
-            self.reply_met_next_query(before);
+        let before = self.previous_unanswered.take();
+        if result == ProbeResult::Noise && !self.is_behind_blocks() {
+            if let Some(before) = before {
+                self.reply_met_next_query(before);
+            }
+            self.doubt_silences(sent);
         }
         self.previous_unanswered = (!matches!(result, ProbeResult::Reply(_))).then_some(id);
         let is_second_look = self.is_second_look;
@@ -291,6 +274,17 @@ impl Scan {
             self.lost = self.lost.saturating_sub(1);
         } else {
             address.noisy = true;
+        }
+    }
+
+    /// Noise came in the window of a probe that was sent at `sent`. An adapter that stalls sends several queries at once, and
+    /// the replies to them collide. So each address whose only probe may be answered by this noise is asked once more.
+    fn doubt_silences(&mut self, sent: Instant) {
+        for address in &mut self.addresses {
+            let asked = address.unanswered.filter(|_| address.probes == 1);
+            if asked.is_some_and(|asked| sent.since(asked) < LATE_REPLY_MAX) {
+                address.noisy = true;
+            }
         }
     }
 

@@ -8,11 +8,15 @@ use super::{EXCHANGES_WANTED, PASSES_ON_A_BAD_LINE, Scan};
 use crate::{
     job::status::JobStatus,
     scan::{
-        address::{ADDRESSES, Address},
+        address::{ADDRESSES, Address, place},
         report::{ScanFault, ScanReport},
     },
     timing::SCAN_SAMPLING_MAX,
 };
+
+/// So many addresses that are still noisy are asked again: more are no late bytes of a busy machine. With six probes of
+/// 50 ms each they take 2.4 s.
+const SECOND_LOOKS_MAX: usize = 8;
 
 /// So few windows with a byte 00 or FF are chance.
 const LEVEL_WINDOWS_MIN: u16 = 20;
@@ -77,6 +81,20 @@ impl Scan {
 
     pub(super) fn noisy<C: FromIterator<MotorId>>(&self) -> C {
         self.where_address(|address| !address.is_found() && !address.is_silent())
+    }
+
+    /// Addresses that are noisy after all probes, if they are few. They get as many probes again.
+    pub(super) fn look_again(&mut self) -> VecDeque<MotorId> {
+        let noisy: VecDeque<MotorId> = self.noisy();
+        if noisy.len() > SECOND_LOOKS_MAX {
+            return VecDeque::new();
+        }
+        for id in &noisy {
+            if let Some(address) = self.addresses.get_mut(place(*id)) {
+                address.probes = 0;
+            }
+        }
+        noisy
     }
 
     pub(super) fn silent(&self) -> VecDeque<MotorId> {
