@@ -84,7 +84,7 @@ pub struct Global {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Action {
-    /// List the serial ports, their adapters, and what holds them
+    /// List the serial ports or that of --port: the adapter, what holds it, and which motors answered last
     Ports {
         /// As JSON
         #[arg(long)]

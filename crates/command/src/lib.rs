@@ -121,7 +121,7 @@ fn exit(done: Result<(), Failure>) -> u8 {
 
 fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<(), Failure> {
     match action {
-        Action::Ports { json } => ports::run(json),
+        Action::Ports { json } => ports::run(global.port.as_deref(), json),
         Action::Scan { json, full: _ } => scan::run(&global, json, ender),
         Action::Info { json } => info::run(&global, json, ender),
         Action::Monitor(how) => monitor::run(&global, &how, ender),

@@ -15,6 +15,7 @@ mod experiments;
 mod fleet;
 mod generated_programs;
 mod models;
+mod ports;
 mod program;
 mod replay;
 mod ros2_files;

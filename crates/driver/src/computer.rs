@@ -8,6 +8,7 @@ use motorlink_port::Line;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
+    answers::Answers,
     driven_file::{DrivenFile, NoFile},
     inputs::{Input, Told},
     open_failure::OpenFailure,
@@ -53,4 +54,7 @@ pub trait Computer {
     /// # Errors
     /// See [`NoFile`].
     fn open_file(&mut self, adapter: &str) -> Result<DrivenFile, NoFile>;
+
+    /// Keeps which motors have answered on the adapter of that file. The port is closed by now: this may take its time.
+    fn keep_answers(&mut self, _answers: &Answers) {}
 }

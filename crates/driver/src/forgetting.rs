@@ -1,6 +1,6 @@
 //! Forgets what was left driven.
 
-use std::{fs, io};
+use std::io;
 
 use motorlink_protocol::MotorId;
 
@@ -21,11 +21,7 @@ pub fn forget_left_driven(
     path: Option<&str>,
     these: &[MotorId],
 ) -> Result<Vec<MotorId>, OpenFailure> {
-    let port = ChosenPort::find(path)?;
-    // A name of Windows is no path.
-    if cfg!(unix) && !fs::exists(&port.path).is_ok_and(|is_there| is_there) {
-        return Err(OpenFailure::NotFound(port.path));
-    }
+    let port = ChosenPort::find(path)?.that_exists()?;
     let refused = || OpenFailure::Io(port.path.clone(), io::Error::other("its file is refused"));
     let folder = default_folder().ok_or_else(refused)?;
     let (file, content) = match LockedFile::open(&folder, &port.identity()) {

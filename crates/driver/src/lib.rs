@@ -13,6 +13,7 @@
 //!
 //! It is not for several programs at once: the second one gets [`OpenFailure::Busy`].
 
+mod answers;
 mod clock;
 mod computer;
 mod driven_file;
@@ -36,6 +37,7 @@ mod this_computer;
 mod virtual_line;
 pub mod words;
 
+pub use answers::{Answered, Answers};
 pub use clock::{Clock, zero_unix_us};
 pub use computer::Computer;
 pub use driven_file::{DrivenFile, NoFile, Store};
@@ -49,5 +51,5 @@ pub use locked_file::default_folder;
 pub use motorlink_port::{Line, Written};
 pub use open_failure::OpenFailure;
 pub use options::{Ender, Ending, Options};
-pub use ports::{ChosenPort, FoundPort, Place, UsbAdapter, found_ports};
+pub use ports::{ChosenPort, FoundPort, Place, UsbAdapter, found_port, found_ports};
 pub use virtual_line::VirtualLine;

@@ -18,6 +18,19 @@ pub fn default_folder() -> Option<PathBuf> {
     Some(state.join("motorlink").join("driven"))
 }
 
+/// The file of this adapter.
+pub(crate) fn path_of(folder: &Path, adapter: &str) -> PathBuf {
+    let harmless = |letter: char| {
+        if letter.is_ascii_alphanumeric() {
+            letter
+        } else {
+            '-'
+        }
+    };
+    let name: String = adapter.chars().map(harmless).collect();
+    folder.join(name.trim_matches('-'))
+}
+
 /// A file that is open and locked.
 #[derive(Debug)]
 pub(crate) struct LockedFile {
@@ -30,22 +43,13 @@ pub(crate) struct LockedFile {
 impl LockedFile {
     /// Opens the file of this adapter. Returns its content too.
     pub(crate) fn open(folder: &Path, adapter: &str) -> Result<(Self, Vec<u8>), NoFile> {
-        let harmless = |letter: char| {
-            if letter.is_ascii_alphanumeric() {
-                letter
-            } else {
-                '-'
-            }
-        };
-        let name: String = adapter.chars().map(harmless).collect();
         fs::create_dir_all(folder).map_err(refused)?;
-        let path = folder.join(name.trim_matches('-'));
         let options = OpenOptions::new()
             .read(true)
             .write(true)
             .create(true)
             .truncate(false)
-            .open(path);
+            .open(path_of(folder, adapter));
         let mut file = options.map_err(refused)?;
         match file.try_lock() {
             Ok(()) => {}

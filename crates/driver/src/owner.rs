@@ -12,6 +12,7 @@ use motorlink_port::{Host, Line, NotDone, PortControl, Turned};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
+    answers::Answers,
     computer::Computer,
     driven_file::DrivenFile,
     entry::{Entry, Status},
@@ -68,6 +69,7 @@ pub(crate) struct Owner<C> {
     stops_begun: u64,
     /// The stop that was the last to end.
     pub(crate) last_stop: Option<StopReport>,
+    answers: Answers,
     #[cfg(test)]
     fails_next: bool,
 }
@@ -95,6 +97,7 @@ impl<C: Computer> Owner<C> {
             look_at: Instant::ZERO,
             stops_begun: 0,
             last_stop: None,
+            answers: Answers::default(),
             #[cfg(test)]
             fails_next: false,
         }
@@ -115,6 +118,7 @@ impl<C: Computer> Owner<C> {
             self.stop_after_failure();
         }
         self.close_line();
+        self.computer.keep_answers(&self.answers);
         Ending {
             last_stop: self.last_stop,
             may_turn: self
@@ -205,6 +209,8 @@ impl<C: Computer> Owner<C> {
     }
 
     pub(crate) fn tell(&mut self, now: Instant, entry: Entry) {
+        let bus = self.host.as_ref().map(|host| &host.bus);
+        self.answers.hear(now, &entry, bus);
         let told = match entry {
             Entry::Event(Event::PingPage) => Told::Ping,
             Entry::Event(Event::Line(_) | Event::Telemetry(_)) if !self.tells_traffic => return,

@@ -78,7 +78,17 @@ pub fn found_ports() -> Result<Vec<FoundPort>, OpenFailure> {
     Ok(ports)
 }
 
-/// The same without the programs, which takes a fraction of the time.
+/// The serial port with this name.
+///
+/// # Errors
+/// There is none.
+pub fn found_port(path: &str) -> Result<FoundPort, OpenFailure> {
+    let ChosenPort { path, usb } = ChosenPort::find(Some(path))?.that_exists()?;
+    let holder = holder_of(&path);
+    Ok(FoundPort { path, usb, holder })
+}
+
+/// The same as [`found_ports`] without the programs, which takes a fraction of the time.
 fn listed_ports() -> Result<Vec<FoundPort>, OpenFailure> {
     let ports = available_ports().map_err(|error| OpenFailure::of("serial ports", &error))?;
     let listed = ports.into_iter().map(|port| FoundPort {
@@ -131,6 +141,15 @@ impl ChosenPort {
                 Err(OpenFailure::SeveralPorts(paths.collect()))
             }
         }
+    }
+
+    /// This port, if it is there.
+    pub(crate) fn that_exists(self) -> Result<Self, OpenFailure> {
+        // A name of Windows is no path.
+        if cfg!(unix) && !fs::exists(&self.path).is_ok_and(|is_there| is_there) {
+            return Err(OpenFailure::NotFound(self.path));
+        }
+        Ok(self)
     }
 
     /// Identifies this adapter: by its serial number, or else by its port. Another adapter without a serial number at the

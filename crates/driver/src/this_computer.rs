@@ -10,6 +10,7 @@ use motorlink_port::Line;
 use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
+    answers::Answers,
     clock::Clock,
     computer::Computer,
     driven_file::{DrivenFile, NoFile},
@@ -30,6 +31,8 @@ pub(crate) struct ThisComputer {
     told: SyncSender<Told>,
     opened: SyncSender<Result<Model, OpenFailure>>,
     state_folder: Option<PathBuf>,
+    /// What the port was when it was opened: one that is unplugged may not tell any more.
+    adapter: Option<String>,
 }
 
 impl ThisComputer {
@@ -46,6 +49,7 @@ impl ThisComputer {
             told,
             opened,
             state_folder,
+            adapter: None,
         }
     }
 }
@@ -102,8 +106,15 @@ impl Computer for ThisComputer {
     }
 
     fn open_file(&mut self, adapter: &str) -> Result<DrivenFile, NoFile> {
+        self.adapter = Some(adapter.to_owned());
         let folder = self.state_folder.as_deref().ok_or(NoFile::Refused)?;
         let (file, content) = LockedFile::open(folder, adapter)?;
         Ok(DrivenFile::new(Box::new(file), &content))
+    }
+    fn keep_answers(&mut self, answers: &Answers) {
+        if let (Some(folder), Some(adapter)) = (&self.state_folder, &self.adapter) {
+            // What the disk refuses is not known later, and does no harm.
+            let _ = answers.keep(self.clock.now(), folder, adapter);
+        }
     }
 }
