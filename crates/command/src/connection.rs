@@ -151,10 +151,13 @@ impl Connection {
         let recorded = recording
             .as_mut()
             .map_or(Ok(()), |recording| recording.add(at, entry));
+        if recorded.is_err() {
+            // It fails once.
+            *recording = None;
+        }
         match (&self.listener, recorded) {
             // A program learns it by its listener, and drives on.
             (Some(_), Err(failure)) => {
-                *recording = None;
                 self.note(format!("the recording has ended: {failure}"));
                 Ok(())
             }

@@ -49,7 +49,10 @@ impl Failure {
     /// For `map_err`: the standard output cannot be written.
     #[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
     pub(crate) fn output(error: io::Error) -> Self {
-        Self::NotDone(format!("standard output: {error}"))
+        Self::NotDone(match error.kind() {
+            io::ErrorKind::BrokenPipe => "the program that reads the output has ended".to_owned(),
+            _ => format!("standard output: {error}"),
+        })
     }
 
     /// Its exit code.

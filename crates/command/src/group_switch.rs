@@ -116,7 +116,8 @@ impl GroupSwitch {
         }
         match connection.next_within(within)? {
             Happened::Entry(_, entry) if ends(&entry) => {
-                let text = words::of_entry(&entry);
+                // Where no program listens, it is printed already.
+                let text = words::of_entry(&entry).filter(|_| !connection.shows_progress());
                 Err(not_done(
                     text.as_deref().unwrap_or("the motors were not switched"),
                 ))

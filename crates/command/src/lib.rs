@@ -44,7 +44,7 @@ mod wizard;
 
 use std::ffi::OsString;
 
-use clap::{Parser, error::ErrorKind};
+use clap::{CommandFactory, FromArgMatches, error::ErrorKind};
 use motorlink_driver::{Ender, words};
 use motorlink_experiments::study::StudyKind;
 
@@ -68,11 +68,11 @@ pub mod library {
 
 use arguments::{Action, Arguments};
 use failure::{DONE, Failure, NOT_DONE, USAGE};
-use output::say;
+use output::{print, say};
 
 /// Runs the command with these arguments, the first of which is the name of the program. Returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments = match parse(arguments) {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
     };
@@ -107,6 +107,21 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         return NOT_DONE;
     }
     exit(dispatch(arguments, &ender))
+}
+
+fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    let command = with_negative_values(Arguments::command());
+    Arguments::from_arg_matches(&command.try_get_matches_from(arguments)?)
+}
+
+/// `--secs -1` is a value that is out of range, and no unknown flag.
+fn with_negative_values(command: clap::Command) -> clap::Command {
+    command
+        .mut_args(|arg| {
+            let takes_values = arg.get_action().takes_values();
+            arg.allow_negative_numbers(takes_values)
+        })
+        .mut_subcommands(with_negative_values)
 }
 
 fn exit(done: Result<(), Failure>) -> u8 {
@@ -165,11 +180,11 @@ fn dispatch(Arguments { global, action }: Arguments, ender: &Ender) -> Result<()
 fn usage(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            print!("{error}");
-            DONE
+            // It ends in a line break.
+            exit(print(error.to_string().trim_end()))
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            eprint!("{error}");
+            say(error.to_string().trim_end());
             USAGE
         }
         _ => {
@@ -178,6 +193,10 @@ fn usage(error: &clap::Error) -> u8 {
             let first = text.split("\n\n").next().unwrap_or_default();
             let words = first.split_whitespace().collect::<Vec<_>>().join(" ");
             let said = words.strip_prefix("error: ").unwrap_or(&words);
+            // So the standard library names a number that it cannot read.
+            let said = said
+                .replace("invalid digit found in string", "expected a whole number")
+                .replace("invalid float literal", "expected a number");
             say(format_args!("motorlink: {said}; see --help"));
             USAGE
         }

@@ -17,18 +17,18 @@ use crate::{
     arguments::{Global, Monitor},
     connection::{Connection, Happened, on_line},
     failure::Failure,
-    output::{print, rows_to},
+    output::{Rows, print},
     values::Values,
     watching::watch_found,
 };
 
 /// Where the replies go.
-enum Output {
+enum Output<'a> {
     /// A table that is drawn again.
     Table,
     /// A line for each motor at each time.
     Lines,
-    Csv(Box<CsvLines>, WallClock, Box<dyn Write>),
+    Csv(Box<CsvLines>, WallClock, Rows<'a>),
     Json(Box<TelemetryJson>),
 }
 
@@ -51,7 +51,7 @@ pub fn run(global: &Global, how: &Monitor, ender: &Ender) -> Result<(), Failure>
     )
 }
 
-fn output(connection: &Connection, how: &Monitor) -> Result<Output, Failure> {
+fn output<'a>(connection: &Connection, how: &'a Monitor) -> Result<Output<'a>, Failure> {
     if how.json {
         return Ok(Output::Json(Box::default()));
     }
@@ -59,17 +59,17 @@ fn output(connection: &Connection, how: &Monitor) -> Result<Output, Failure> {
         let draws = stdout().is_terminal();
         return Ok(if draws { Output::Table } else { Output::Lines });
     };
-    let mut out = rows_to(csv.as_deref())?;
+    let mut out = Rows::to(csv.as_deref())?;
     let mut lines = CsvLines::of_telemetry();
     let mut head = Vec::new();
     lines.head(&mut head);
-    out.write_all(&head).map_err(Failure::output)?;
+    out.write(&head)?;
     let zero_us = zero_unix_us(connection.status()?.now);
     let clock = WallClock::from_us(zero_us, LocalTime::default());
     Ok(Output::Csv(Box::new(lines), clock, out))
 }
 
-fn show(connection: &Connection, how: &Monitor, output: &mut Output) -> Result<(), Failure> {
+fn show(connection: &Connection, how: &Monitor, output: &mut Output<'_>) -> Result<(), Failure> {
     let begun = Instant::now();
     let period = Duration::try_from_secs_f64(1.0 / how.hz).unwrap_or(Duration::from_secs(1));
     let mut thinned = Thinned::new(period);
@@ -135,15 +135,13 @@ impl Thinned {
 }
 
 /// Every event goes to the writer, which follows the line; rows are written of those that are taken.
-fn write(event: &LineEvent, output: &mut Output, is_taken: bool) -> Result<(), Failure> {
+fn write(event: &LineEvent, output: &mut Output<'_>, is_taken: bool) -> Result<(), Failure> {
     match output {
         Output::Csv(lines, clock, out) => {
             let mut row = Vec::new();
             lines.event(&mut row, event, *clock);
             if is_taken {
-                out.write_all(&row)
-                    .and_then(|()| out.flush())
-                    .map_err(Failure::output)?;
+                out.write(&row)?;
             }
         }
         Output::Json(lines) => {

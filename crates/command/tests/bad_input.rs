@@ -136,3 +136,48 @@ fn a_port_that_is_a_file_or_a_folder() {
         assert!(said.contains("not a serial port"), "{said}");
     }
 }
+
+#[test]
+fn values_that_look_like_flags_or_are_no_numbers() {
+    const TIME: &str = "expected a positive time";
+    for (line, says) in [
+        ("drive velocity 50 --secs -1", TIME),
+        ("drive velocity 50 --secs nan", TIME),
+        ("monitor --secs inf", TIME),
+        ("record run.mcap --secs -0.5", TIME),
+        ("--timeout -1 info", TIME),
+        ("drive velocity 50 --rate -1", "1 to 500"),
+        ("drive velocity 50 --ramp -5", "1 to 10000"),
+        ("monitor --hz -1", "0.001 to 1000"),
+        ("drive position -5", "0 to 360"),
+        ("drive position nan", "0 to 360"),
+        ("drive current inf", "-8 to 8 A"),
+        ("drive current much", "expected a number"),
+        ("drive velocity nan", "expected a whole number"),
+        ("drive velocity --rpm 1.5", "expected a whole number"),
+        ("doctor --rpm inf", "expected a whole number"),
+        ("set-id --new -1", "from 1 to 254"),
+        ("raw -1", "not a byte"),
+        ("step to_rpm=nan", "to_rpm: expected a number"),
+    ] {
+        let arguments: Vec<&str> = ["--virtual"].into_iter().chain(line.split(' ')).collect();
+        let output = crate::program::motorlink(&arguments).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+        assert_eq!(said.lines().count(), 1, "{line}: {said}");
+        assert!(said.contains(says), "{line}: {said}");
+    }
+}
+
+/// The reason is said where it happens; the last line does not say it again.
+#[test]
+fn a_refusal_is_said_once() {
+    let line = "--virtual=2 --model ddsm210 drive current 0.1";
+    let arguments: Vec<&str> = line.split(' ').collect();
+    let output = crate::program::motorlink(&arguments).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let why = "not done: A DDSM210 has no current loop";
+    assert_eq!(said.matches(why).count(), 1, "{said}");
+    assert_eq!(said.matches("not done").count(), 1, "{said}");
+}

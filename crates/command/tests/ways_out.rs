@@ -1,6 +1,6 @@
 //! Every way out of a drive: the motor keeps its last command, and stands nevertheless.
 
-use std::{path::Path, thread::sleep, time::Duration};
+use std::{path::Path, process::Command, thread::sleep, time::Duration};
 
 use rustix::process::Signal;
 
@@ -123,11 +123,26 @@ fn a_left_motor_that_is_silent_does_not_keep_others_from_being_used() {
 #[test]
 fn a_pipe_that_is_closed_ends_the_command_without_a_panic() {
     let bench = Bench::new(&[]);
-    let mut monitor = bench.command("monitor --json").spawn().unwrap();
-    drop(monitor.stdout.take());
-    let said = Said::of(monitor.wait_with_output().unwrap());
-    assert_eq!(said.code, Some(1), "{said:?}");
-    assert!(!said.err.contains("panicked"), "{said:?}");
+    let record = bench.run(&format!("record {} --secs 0.5", bench.file("run.mcap")));
+    assert_eq!(record.code, Some(0), "{record:?}");
+    let info = format!("session info {}", bench.file("run.mcap"));
+    for line in [
+        "monitor --json",
+        "monitor",
+        "monitor --csv",
+        "--help",
+        &info,
+    ] {
+        let mut command = bench.command(line).spawn().unwrap();
+        drop(command.stdout.take());
+        let said = Said::of(command.wait_with_output().unwrap());
+        assert_eq!(said.code, Some(1), "{line}: {said:?}");
+        let last = said.err.trim().trim_start_matches("motorlink: ");
+        assert_eq!(
+            last, "the program that reads the output has ended",
+            "{line}"
+        );
+    }
 }
 
 #[test]
@@ -218,14 +233,39 @@ fn a_second_program_at_the_same_port_is_refused_and_the_first_drives_on() {
 fn a_disk_that_is_full_ends_the_recording_and_leaves_nothing_driven() {
     let mut bench = Bench::new(&[]);
     let said = bench.run("monitor --csv /dev/full --secs 5");
-    assert_ne!(said.code, Some(0), "{said:?}");
-    assert!(said.err.contains("No space left"), "{said:?}");
+    assert_eq!(said.code, Some(2), "{said:?}");
+    let last = said.err.lines().last().unwrap();
+    assert_eq!(
+        last,
+        "motorlink: /dev/full: No space left on device (os error 28)"
+    );
     // A recording never replaces a file.
     let taken = bench.file("taken.mcap");
     std::fs::write(&taken, "mine").unwrap();
     let said = bench.run(&format!("drive velocity 50 --secs 1 --record {taken}"));
     assert_eq!(said.code, Some(2), "{said:?}");
     assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+    assert!(bench.stands());
+}
+
+/// A file that may not grow fails as on a full disk: the first piece of 64 KiB does not fit.
+#[test]
+fn a_recording_that_fails_during_a_drive_says_so_once() {
+    let mut bench = Bench::new(&[]);
+    let file = bench.file("drive.mcap");
+    let line = format!("drive velocity 50 --rate 500 --secs 60 --record {file}");
+    let drive = bench.command(&line);
+    let said = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\""])
+        .arg(drive.get_program())
+        .args(drive.get_args())
+        .env("XDG_STATE_HOME", bench.folder.path())
+        .output();
+    let said = Said::of(said.unwrap());
+    assert_eq!(said.code, Some(2), "{said:?}");
+    let said: Vec<&str> = said.err.lines().collect();
+    let why = format!("motorlink: {file}: File too large (os error 27)");
+    assert_eq!(said, ["Motor 0x01 stands, confirmed.", &why]);
     assert!(bench.stands());
 }
 

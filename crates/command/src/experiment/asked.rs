@@ -118,6 +118,8 @@ pub fn assign(study: &mut Study, name: &str, values: &[f64]) -> Result<(), Strin
         return Err(format!("{name}: expected one of {}", names.join(", ")));
     };
     match values {
+        // It is neither below nor above a bound.
+        [value] if value.is_nan() => return Err(format!("{name}: expected a number")),
         [value] => parameter.set(*value),
         _ => return Err(format!("{name}: expected one number")),
     }

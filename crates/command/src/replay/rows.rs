@@ -1,7 +1,5 @@
 //! What was recorded as lines, CSV or JSON, as `monitor` writes them, at once.
 
-use std::io::Write;
-
 use motorlink_bus::LineEventKind;
 use motorlink_driver::Ender;
 use motorlink_messages::{
@@ -14,7 +12,7 @@ use motorlink_session::{Record, Table, TelemetryJson, for_each_record};
 use crate::{
     failure::Failure,
     monitor::with_id,
-    output::{print, rows_to},
+    output::{Rows, print},
     signed_id::SignedId,
     values::Values,
 };
@@ -25,22 +23,22 @@ use super::{Recorded, arguments::Replay, micros, playback::Playback};
 const LINES_EVERY_US: u64 = 200_000;
 
 /// Where the replies go.
-enum Output {
-    Csv(Table, Box<dyn Write>),
+enum Output<'a> {
+    Csv(Box<Table>, Rows<'a>),
     Json(Box<TelemetryJson>),
 }
 
-impl Output {
-    fn of(how: &Replay) -> Result<Self, Failure> {
+impl<'a> Output<'a> {
+    fn of(how: &'a Replay) -> Result<Self, Failure> {
         let Some(csv) = &how.csv else {
             return Ok(Self::Json(Box::default()));
         };
-        let mut out = rows_to(csv.as_deref())?;
+        let mut out = Rows::to(csv.as_deref())?;
         let mut table = Table::of_telemetry();
         let mut head = Vec::new();
         table.head(&mut head);
-        out.write_all(&head).map_err(Failure::output)?;
-        Ok(Self::Csv(table, out))
+        out.write(&head)?;
+        Ok(Self::Csv(Box::new(table), out))
     }
 
     /// Every record goes to the writer, which follows the line; rows are written of those that are shown.
@@ -57,7 +55,7 @@ impl Output {
                 };
                 let &[id, ..] = frame.bytes();
                 if MotorId::new(id).is_ok_and(is_shown) {
-                    out.write_all(&row).map_err(Failure::output)?;
+                    out.write(&row)?;
                 }
                 Ok(())
             }
@@ -88,11 +86,7 @@ pub fn write(mut recorded: Recorded, how: &Replay, ender: &Ender) -> Result<(), 
         }
     });
     read.map_err(Failure::file(&how.file))?;
-    written?;
-    match output {
-        Output::Csv(_, mut out) => out.flush().map_err(Failure::output),
-        Output::Json(_) => Ok(()),
-    }
+    written
 }
 
 /// Writes a line for each motor at each time: the states that the screen would show, without waiting for them.

@@ -12,11 +12,9 @@ use motorlink_session::{
 };
 
 use crate::{
-    session::arguments::Format,
-    session::{
-        file::{Failure, Opened},
-        info::exit_code,
-    },
+    failure::Failure,
+    output::say,
+    session::{arguments::Format, file::Opened, info::exit_code},
 };
 
 /// Bytes per write.
@@ -24,13 +22,14 @@ const PIECE: usize = 64 << 10;
 
 /// Writes a session in this format, to a file or the standard output. Exit code 1 if something of it is missing.
 pub fn export(opened: &mut Opened, format: Format, out: Option<&Path>) -> Result<u8, Failure> {
-    let name = out.map_or_else(
-        || "standard output".to_owned(),
-        |out| out.display().to_string(),
-    );
-    let read = write(opened, format, out).map_err(|error| Failure::Io(name, error))?;
+    let read = write(opened, format, out).map_err(|error| match out {
+        Some(out) => Failure::file(out)(error),
+        None => Failure::output(error),
+    })?;
     let problems = opened.problems().and(&read);
-    eprint!("{problems}");
+    if !problems.is_empty() {
+        say(problems.to_string().trim_end());
+    }
     Ok(exit_code(&problems))
 }
 

@@ -6,47 +6,58 @@ use motorlink_recorder::push_iso;
 use motorlink_session::{Overview, Problem, Problems, Source, What, for_each_record, overview};
 
 use crate::{
-    failure::{DONE, NOT_DONE},
-    session::file::{Failure, Opened},
+    failure::{DONE, Failure, NOT_DONE},
+    output::print,
+    session::file::{self, Opened},
 };
 
 /// Prints the content of a file by its index.
 pub fn info(opened: &mut Opened) -> Result<u8, Failure> {
     let name = opened.name.clone();
-    let io = |error: io::Error| Failure::Io(name.clone(), error);
+    let io = |error: io::Error| file::Failure::Io(name.clone(), error);
     let (overview, read) = overview(&mut opened.bytes, &opened.session).map_err(io)?;
-    println!("file        {}, {} bytes", opened.name, opened.bytes.len());
+    print(format_args!(
+        "file        {}, {} bytes",
+        opened.name,
+        opened.bytes.len()
+    ))?;
     for (key, value) in opened.session.about() {
-        println!("{key:11} {}", one_line(value));
+        print(format_args!("{key:11} {}", one_line(value)))?;
     }
-    print_overview(&overview);
-    println!("chunks      {}", opened.session.chunks());
+    print_overview(&overview)?;
+    print(format_args!("chunks      {}", opened.session.chunks()))?;
     for attachment in opened.session.attachments() {
         let size = attachment.size;
-        println!("attachment  {}, {size} bytes", one_line(&attachment.name));
+        print(format_args!(
+            "attachment  {}, {size} bytes",
+            one_line(&attachment.name)
+        ))?;
     }
-    print!("{}", opened.problems().and(&read));
+    print_problems(&opened.problems().and(&read))?;
     Ok(DONE)
 }
 
-fn print_overview(overview: &Overview) {
+fn print_overview(overview: &Overview) -> Result<(), Failure> {
     if let Some((from_ns, to_ns)) = overview.span_ns() {
-        println!("from        {}", iso(from_ns));
-        println!("to          {}", iso(to_ns));
-        println!("duration    {:.3} s", overview.duration().as_secs_f64());
+        print(format_args!("from        {}", iso(from_ns)))?;
+        print(format_args!("to          {}", iso(to_ns)))?;
+        print(format_args!(
+            "duration    {:.3} s",
+            overview.duration().as_secs_f64()
+        ))?;
     }
-    println!(
+    print(format_args!(
         "frames      {} sent, {} received",
         overview.sent, overview.received
-    );
-    println!(
+    ))?;
+    print(format_args!(
         "faulty      {} lost, {} pieces of invalid bytes, {} not sent",
         overview.lost, overview.junk, overview.not_sent
-    );
-    println!(
+    ))?;
+    print(format_args!(
         "events      {}",
         overview.marks().len() as u64 + overview.marks_left_out
-    );
+    ))?;
     for (id, motor) in overview.motors() {
         let extent = motor.extent().map_or_else(String::new, |extent| {
             let current = extent
@@ -56,11 +67,20 @@ fn print_overview(overview: &Overview) {
             format!(", {least} to {most}{}", current.unwrap_or_default())
         });
         let (id, replies, lost) = (id.get(), motor.replies, motor.lost);
-        println!(
+        print(format_args!(
             "motor {id:<5} {replies} replies, {lost} lost{extent}, faults: {}",
             motor.faults
-        );
+        ))?;
     }
+    Ok(())
+}
+
+/// Each is a line.
+fn print_problems(problems: &Problems) -> Result<(), Failure> {
+    if problems.is_empty() {
+        return Ok(());
+    }
+    print(problems.to_string().trim_end())
 }
 
 /// Reads every record and prints the problems.
@@ -74,13 +94,15 @@ pub fn check(opened: &mut Opened) -> Result<u8, Failure> {
             What::State(_) => states += 1,
         }
     });
-    let read = read.map_err(|error| Failure::Io(name, error))?;
-    println!("{lines} entries of the line, {events} events and {states} states of the page read");
+    let read = read.map_err(|error| file::Failure::Io(name, error))?;
+    print(format_args!(
+        "{lines} entries of the line, {events} events and {states} states of the page read"
+    ))?;
     let problems = opened.problems().and(&read);
     if problems.is_empty() {
-        println!("no damage found");
+        print(format_args!("no damage found"))?;
     }
-    print!("{problems}");
+    print_problems(&problems)?;
     Ok(exit_code(&problems))
 }
 

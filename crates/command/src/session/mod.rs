@@ -8,17 +8,17 @@ mod runs;
 
 pub use info::{exit_code, one_line};
 
-use crate::failure::USAGE;
+use crate::{failure::Failure, output::say};
 use arguments::SessionAction;
-use file::{Failure, Opened};
+use file::Opened;
 
 /// Does what was asked. Exit code 1 if something of the file is missing or damaged, 2 if it cannot be read at all.
 pub fn run(action: SessionAction) -> u8 {
     match try_run(action) {
         Ok(code) => code,
         Err(failure) => {
-            eprintln!("{failure}");
-            USAGE
+            say(&failure);
+            failure.exit_code()
         }
     }
 }

@@ -6,23 +6,27 @@ use motorlink_messages::experiments::kept::{record_to_csv, run_to_json};
 use motorlink_session::{Session, Source};
 
 use crate::{
-    failure::{DONE, NOT_DONE},
+    failure::{DONE, Failure, NOT_DONE},
+    output::{print, say},
     session::{
-        file::{Failure, Opened},
+        file::{self, Opened},
         info::one_line,
     },
 };
 
 /// Writes each run as `run-NUMBER.json` and `run-NUMBER.csv`, and prints its name. Exit code 1 if one is unreadable.
 pub fn write(opened: &mut Opened, folder: &Path) -> Result<u8, Failure> {
-    let failed = |error| Failure::Io(folder.display().to_string(), error);
+    let failed = |error| file::Failure::Io(folder.display().to_string(), error);
     let source = opened.name.clone();
-    let unread = |error| Failure::Io(source.clone(), error);
+    let unread = |error| file::Failure::Io(source.clone(), error);
     let mut written = Vec::new();
     let mut code = DONE;
     let runs: Vec<_> = opened.session.runs().collect();
     if runs.is_empty() {
-        eprintln!("{}: no runs of experiments in it", opened.name);
+        say(format_args!(
+            "{}: no runs of experiments in it",
+            opened.name
+        ));
         return Ok(code);
     }
     fs::create_dir_all(folder).map_err(failed)?;
@@ -32,7 +36,7 @@ pub fn write(opened: &mut Opened, folder: &Path) -> Result<u8, Failure> {
         let bytes = range.map(|range| opened.bytes.read(range)).transpose();
         let bytes = bytes.map_err(unread)?.unwrap_or_default();
         let Ok((header, record)) = Session::read_run(&bytes) else {
-            eprintln!("{}: cannot be read", one_line(name));
+            say(format_args!("{}: cannot be read", one_line(name)));
             code = NOT_DONE;
             continue;
         };
@@ -47,7 +51,7 @@ pub fn write(opened: &mut Opened, folder: &Path) -> Result<u8, Failure> {
         let table = path.with_extension("csv");
         fs::write(&table, record_to_csv(&record)).map_err(failed)?;
         let (path, table) = (path.display(), table.display());
-        println!("{}: {path}, {table}", one_line(&run.name));
+        print(format_args!("{}: {path}, {table}", one_line(&run.name)))?;
     }
     Ok(code)
 }

@@ -109,7 +109,7 @@ impl Line<'_> {
 fn try_again<T: Default>(done: Result<T, Failure>) -> Result<T, Failure> {
     match done {
         Err(Failure::NotDone(text)) => {
-            say(format_args!("Not done: {text}."));
+            say(format_args!("motorlink: {text}"));
             Ok(T::default())
         }
         done => done,
