@@ -14,7 +14,7 @@ fn scripts_for_m0601_cli_run() {
         "--id 0x01 --timeout 0.15 info".to_owned(),
         "info --id 1 --timeout 0.15".to_owned(),
         "monitor --hz 5 --secs 0.3".to_owned(),
-        format!("monitor --csv {log} --secs 0.5"),
+        format!("monitor --csv {log} --format article --secs 0.5"),
         "drive velocity --rpm 100 --secs 0.5".to_owned(),
         "drive velocity --rpm -50 --accel 1 --secs 0.3".to_owned(),
         "drive current --amps 0.3 --secs 0.2".to_owned(),
