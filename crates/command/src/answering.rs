@@ -15,6 +15,8 @@ use crate::{
 
 /// Time for three ID queries.
 const ID_QUERY_MIN: Duration = Duration::from_millis(300);
+/// How long one may take: it waits for a stop of motors that were left driven.
+const ID_QUERY_MAX: Duration = Duration::from_secs(4);
 
 impl Connection {
     /// Waits until the motors have answered. Without `--id`, the motor is the only one that answers the ID query.
@@ -75,16 +77,17 @@ impl Connection {
                     return Err(Failure::NotDone(text.to_owned()));
                 }
                 // A stop of motors that an earlier program left running cancels it, and one without power may get it.
-                Some(IdQueryOutcome::NoReply | IdQueryOutcome::Cancelled) | None => {
-                    self.driver.command(Command::IdQuery);
-                }
+                Some(IdQueryOutcome::NoReply | IdQueryOutcome::Cancelled) | None => {}
             }
+            if Instant::now() >= until {
+                let text = format!("no motor answers. {WIRING}, or see motorlink scan");
+                return Err(Failure::NotDone(text));
+            }
+            self.driver.command(Command::IdQuery);
+            // It is waited for to its end: the bus refuses what comes meanwhile.
             outcome = None;
-            while outcome.is_none() {
-                if Instant::now() >= until {
-                    let text = format!("no motor answers. {WIRING}, or see motorlink scan");
-                    return Err(Failure::NotDone(text));
-                }
+            let limit = Instant::now() + ID_QUERY_MAX;
+            while outcome.is_none() && Instant::now() < limit {
                 if let Happened::Entry(_, entry) = self.next()? {
                     outcome = id_query_ended(&entry);
                 }

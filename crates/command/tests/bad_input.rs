@@ -1,5 +1,6 @@
 //! Bad input gets one line on standard error and exit code 2.
 
+use crate::bench::Bench;
 /// Asserts exit code 2 and one line that contains `says`.
 fn refused(flags: &[&str], says: &str) {
     let output = crate::program::command(flags).output().unwrap();
@@ -180,4 +181,17 @@ fn a_refusal_is_said_once() {
     let why = "not done: A DDSM210 has no current loop";
     assert_eq!(said.matches(why).count(), 1, "{said}");
     assert_eq!(said.matches("not done").count(), 1, "{said}");
+}
+
+#[test]
+fn a_line_on_which_no_motor_answers() {
+    let mut bench = Bench::new(&[]);
+    bench.motors.command("mute 1 on");
+    for line in ["monitor --csv", "drive velocity 50 --secs 1", "info"] {
+        let said = bench.run(line);
+        assert_eq!(said.code, Some(1), "{line}: {said:?}");
+        let begin = "motorlink: no motor answers";
+        assert!(said.err.starts_with(begin), "{line}: {said:?}");
+        assert_eq!(said.err.lines().count(), 1, "{line}: {said:?}");
+    }
 }

@@ -111,6 +111,7 @@ impl Computer for ThisComputer {
         let (file, content) = LockedFile::open(folder, adapter)?;
         Ok(DrivenFile::new(Box::new(file), &content))
     }
+
     fn keep_answers(&mut self, answers: &Answers) {
         if let (Some(folder), Some(adapter)) = (&self.state_folder, &self.adapter) {
             // What the disk refuses is not known later, and does no harm.
