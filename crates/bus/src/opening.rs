@@ -29,12 +29,15 @@ impl Bus {
     /// Expects late replies to requests from before this bus: the adapter may still hold them. They are not read in the
     /// layout of a new request.
     #[must_use]
-    pub fn after_another(self, now: Instant) -> Self {
-        Self {
-            // Separate frames say which request they answer.
-            old_replies_until: (!self.model.has_separate_frames()).then_some(now + FRESH_FOR),
-            ..self
+    pub fn after_another(mut self, now: Instant) -> Self {
+        // Separate frames say which request they answer.
+        if !self.model.has_separate_frames() {
+            self.old_replies_until = Some(now + FRESH_FOR);
+            for motor in &mut self.motors {
+                motor.unknown_frame_unanswered(now);
+            }
         }
+        self
     }
 
     /// Applies these settings and watches these motors. If `asks_for_id`, the first request is the ID query, to which all

@@ -2,7 +2,7 @@
 
 use crate::fixture;
 use crate::fixture::{Fixture, ID, degrees, ms, rpm};
-use motorlink_bus::{Bus, Command, Event, LineEventKind};
+use motorlink_bus::{Bus, BusSettings, Command, Event, LineEventKind};
 use motorlink_protocol::{Detail, Frame, Mode};
 use motorlink_simulator::{WireFaults, WorldConfig};
 
@@ -35,20 +35,32 @@ fn a_late_reply_is_not_read_in_the_layout_of_the_next_request() {
 /// The adapter holds the reply to the last drive frame while the port is closed and opened again.
 #[test]
 fn the_reply_to_a_request_from_before_the_port_was_opened_is_not_read_in_another_layout() {
-    for closed in [20, 54, 90] {
-        let mut fixture = Fixture::one_motor();
-        fixture.drive(rpm(60)).unwrap();
-        fixture.run(ms(300));
-        fixture.world.set_faults(WireFaults {
-            hold: ms(120),
-            ..WireFaults::default()
-        });
-        fixture.run(ms(25));
-        fixture.bus = Bus::new(fixture.now).after_another(fixture.now);
-        fixture.sleep(ms(closed));
-        fixture.command(Command::Watch(ID)).unwrap();
-        fixture.run(ms(600));
-        fixture.assert_telemetry_is_true(closed);
+    for closed in (2..120).step_by(3) {
+        for (hold, watches_first, asks_for_id) in [
+            (ms(40), true, true),
+            (ms(120), true, true),
+            (ms(120), true, false),
+            (ms(120), false, false),
+        ] {
+            let mut fixture = Fixture::one_motor();
+            fixture.drive(rpm(60)).unwrap();
+            fixture.run(ms(300));
+            fixture.world.set_faults(WireFaults {
+                hold,
+                ..WireFaults::default()
+            });
+            fixture.run(ms(25));
+            fixture.forget_the_past();
+            fixture.sleep(ms(closed));
+            let (now, settings) = (fixture.now, BusSettings::default());
+            let motors = watches_first.then_some(ID);
+            fixture.bus = Bus::new(now)
+                .prepared(now, settings, asks_for_id, motors)
+                .after_another(now);
+            fixture.command(Command::Watch(ID)).unwrap();
+            fixture.run(ms(600));
+            fixture.assert_telemetry_is_true(closed);
+        }
     }
 }
 
