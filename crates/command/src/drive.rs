@@ -164,7 +164,7 @@ fn hold_showing(
     let mut was_lost = false;
     let mut draw_at = Instant::now();
     loop {
-        // Once all are driven, the program sleeps until it has something to do.
+        // Once all are driven, it sleeps until it draws, ends, or something happens.
         let next = until.map_or(draw_at, |until: Instant| until.min(draw_at));
         let wait = if all_driven {
             next.saturating_duration_since(Instant::now())

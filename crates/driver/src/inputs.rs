@@ -42,7 +42,7 @@ pub enum Input {
     /// Fail in the next turn, for tests.
     #[cfg(test)]
     Fail,
-    /// Let the program of the runs fail at every call, for tests.
+    /// Fail in every turn as long as the runs are these, for tests.
     #[cfg(test)]
     FailRuns,
 }

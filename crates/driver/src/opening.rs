@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::Bus;
-use motorlink_port::{Closed, Host, IfNoReply, Opening, Others, Step};
+use motorlink_port::{BusEnd, Host, IfNoReply, Opening, Others, Step};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use motorlink_simulator::World;
@@ -174,7 +174,7 @@ impl<C: Computer> Owner<C> {
     pub(crate) fn close_line(&mut self) {
         let now = self.computer.now();
         if let Some(mut host) = self.host.take() {
-            let Closed { last, left } = host.close(now);
+            let BusEnd { last, left } = host.close(now);
             self.file.left.carry(left);
             for event in last {
                 self.tell(now, Entry::Event(event));

@@ -7,7 +7,7 @@ use motorlink_runs::{Decides, Input, Output, Program};
 #[derive(Debug, Default)]
 pub(crate) struct OwnProgram {
     pub(crate) program: Program,
-    /// Every turn fails, for tests.
+    /// The driver fails in every turn, for tests.
     #[cfg(test)]
     pub(crate) fails: bool,
 }

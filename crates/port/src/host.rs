@@ -26,7 +26,7 @@ pub enum Turned {
 
 /// What a bus leaves when it ends.
 #[derive(Clone, Debug)]
-pub struct Closed {
+pub struct BusEnd {
     /// Its last events: a scan that ends with its port is cancelled.
     pub last: Vec<Event>,
     /// The motors that it has driven, and that may turn.
@@ -41,8 +41,8 @@ impl<L: Line> Host<L> {
     }
 
     /// Ends the bus: its port is closed or gone.
-    pub fn close(&mut self, now: Instant) -> Closed {
-        Closed {
+    pub fn close(&mut self, now: Instant) -> BusEnd {
+        BusEnd {
             last: self.bus.close(now).collect(),
             left: LeftBehind {
                 model: self.bus.model(),

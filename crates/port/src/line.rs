@@ -8,7 +8,7 @@ use motorlink_simulator::World;
 pub enum Written {
     /// The port has taken it.
     Taken,
-    /// The port is still busy with frames before it. It was not sent.
+    /// The port does not take it now, for example because frames before it are not sent yet. It was not sent.
     Refused,
     /// The port is gone.
     Gone,

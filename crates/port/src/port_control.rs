@@ -1,4 +1,4 @@
-//! What holds whichever port is open: the settings of the person, Stop all motors, and the runs.
+//! What outlives a port: the settings of the person, Stop all motors, and the runs.
 
 use motorlink_bus::{Bus, BusSettings, Command, Event, Output, Refusal};
 use motorlink_protocol::{Instant, MotorId, family::Model};
@@ -9,7 +9,7 @@ use crate::{
     line::{Line, Written},
 };
 
-/// What stays the same while ports are opened, lost and closed. The owner of the port gives every command to the bus
+/// What stays the same while ports are opened, lost and closed. The commands of the person or of the program reach the bus
 /// through it.
 #[derive(Debug, Default)]
 pub struct PortControl<P> {
@@ -46,8 +46,8 @@ impl<P: Decides> PortControl<P> {
         bus.prepared(now, self.settings, asks_for_id, watched)
     }
 
-    /// Does everything that is due; `clock` says when the port has taken a frame. `remember` is called before each frame: a
-    /// process that is killed behind the frame leaves a file that names its motor.
+    /// Does everything that is due; `clock` says when the port has taken a frame. `remember` is called whenever the bus may
+    /// have changed, and before each frame: a process that is killed after the frame leaves a file that names its motor.
     pub fn turn<L: Line>(
         &mut self,
         now: Instant,
@@ -83,7 +83,7 @@ impl<P: Decides> PortControl<P> {
         turned
     }
 
-    /// Gives a command to the bus of the open port. On one that is not `settled`, nothing may move.
+    /// Gives a command to the bus of the open port. Nothing may move before the port is settled.
     ///
     /// # Errors
     /// [`NotDone`].
@@ -92,7 +92,7 @@ impl<P: Decides> PortControl<P> {
         now: Instant,
         command: Command,
         bus: Option<&mut Bus>,
-        settled: bool,
+        is_settled: bool,
     ) -> Result<(), NotDone> {
         match command {
             Command::Configure(settings) => self.settings = settings,
@@ -101,7 +101,7 @@ impl<P: Decides> PortControl<P> {
             _ => {}
         }
         match (bus, command) {
-            (Some(bus), _) if settled || !command.may_move() => {
+            (Some(bus), _) if is_settled || !command.may_move() => {
                 let done = self.runs.command(now, command, bus, self.settings);
                 done.map_err(NotDone::Refused)
             }

@@ -286,8 +286,7 @@ impl Attempt<'_> {
         let bus = {
             let mut owner = shared.borrow_mut();
             let now = owner.now();
-            let bus = owner.new_bus(model, None).after_another(now);
-            let mut bus = bus.on_trial();
+            let mut bus = owner.new_bus(model, None).after_another(now).on_trial();
             let count = owner.left.others(&line.others_of_make);
             let others = Others { count, tried };
             opening.opened(now, &mut bus, owner.left.of(line.usb()), others);

@@ -4,7 +4,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use motorlink_bus::{Bus, Event};
 use motorlink_messages::{ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
-use motorlink_port::{Closed, PortControl, Turned};
+use motorlink_port::{BusEnd, PortControl, Turned};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use motorlink_runs::Input;
 use web_sys::MessagePort;
@@ -94,10 +94,10 @@ impl PortOwner {
         self.outbox.touch();
         let now = self.now();
         self.control.closed(now, Input::Closed);
-        let mut left = std::mem::replace(&mut self.port, port);
-        if let PortState::Open(open) = &mut left {
+        let mut before = std::mem::replace(&mut self.port, port);
+        if let PortState::Open(open) = &mut before {
             // A scan or an ID change that ends with its port is reported as cancelled.
-            let Closed { last, left } = open.host.close(now);
+            let BusEnd { last, left } = open.host.close(now);
             for event in last {
                 match event {
                     Event::Line(traffic) => self.traffic.push(traffic),
@@ -109,7 +109,7 @@ impl PortOwner {
                 self.left.of(line.usb()).carry(left);
             }
         }
-        (left, self.generation)
+        (before, self.generation)
     }
 
     /// Handles the loss of the adapter: the driven motors may turn on, and the worker waits for the adapter to stop them.
@@ -201,7 +201,7 @@ impl PortOwner {
             }
             wake = match turned {
                 Turned::Wait(at) => asks_again_at.into_iter().chain([at]).min(),
-                // The reader of the port tells it.
+                // The reader of the port notices the loss, and calls `adapter_lost`.
                 Turned::Gone => None,
             };
         }
