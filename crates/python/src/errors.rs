@@ -21,8 +21,13 @@ create_exception!(
 pub fn exception(failure: &Failure) -> PyErr {
     let text = failure.to_string();
     match failure {
-        Failure::NotDone(_) => NotDone::new_err(text),
+        Failure::NotDone(_) => not_done(&text),
         Failure::Usage(_) => InvalidInput::new_err(text),
         Failure::Interrupted => NotDone::new_err("the line is closed"),
     }
+}
+
+/// Its class says already that it was not done.
+pub fn not_done(text: &str) -> PyErr {
+    NotDone::new_err(text.strip_prefix("not done: ").unwrap_or(text).to_owned())
 }

@@ -196,7 +196,7 @@ fn trouble(entry: &Entry) -> (Option<MotorId>, String) {
             refusal: Refusal::Halted,
             ..
         } => "all motors are stopped: call bus.release() to drive again".to_owned(),
-        entry => words_of(entry).unwrap_or_else(|| "not done: try again".to_owned()),
+        entry => words_of(entry).unwrap_or_else(|| "it was not done: try again".to_owned()),
     };
     (id, text)
 }

@@ -15,7 +15,7 @@ use motorlink_protocol::MotorId;
 use pyo3::prelude::*;
 
 use crate::{
-    errors::{NotDone, exception},
+    errors::{exception, not_done},
     heard::News,
 };
 
@@ -169,7 +169,7 @@ fn on_connection<T>(
 }
 
 fn raised(trouble: Option<String>) -> PyResult<()> {
-    trouble.map_or(Ok(()), |text| Err(NotDone::new_err(text)))
+    trouble.map_or(Ok(()), |text| Err(not_done(&text)))
 }
 
 /// Takes the entries that are there, and waits this long for the first.

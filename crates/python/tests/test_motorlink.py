@@ -6,6 +6,7 @@ MOTORLINK names the command `motorlink`. `cargo xtask test --only python-package
 import asyncio
 import ctypes
 import json
+import math
 import os
 import signal
 import subprocess
@@ -237,6 +238,70 @@ class OnVirtualMotors(unittest.TestCase):
             wheel = bus.motor(1)
             with self.assertRaisesRegex(motorlink.NotDone, "limit"):
                 wheel.drive(rpm=100)
+
+
+    def test_bad_input_is_an_exception_of_the_package_that_says_what_to_do(self):
+        with motorlink.virtual(ids=[1, 2]) as bus:
+            wheel = bus.motor(1)
+            id, whole = "from 1 to 254", "expected a whole number, not"
+            time, number = "expected a positive time", "expected a number, not"
+            cases = {
+                "a large ID": (id, lambda: bus.motor(300)),
+                "ID 0": ("1 to 254", lambda: bus.motor(0)),
+                "a negative ID": (id, lambda: bus.motor(-1)),
+                "a huge ID": (id, lambda: bus.motor(10**30)),
+                "a text as ID": (whole, lambda: bus.motor("1")),
+                "a fraction as ID": (whole, lambda: bus.motor(1.5)),
+                "a group of none": ("name the IDs", lambda: bus.group()),
+                "a text in a group": (whole, lambda: bus.group(1, "-2")),
+                "a new ID": (id, lambda: bus.set_id(1000)),
+                "a reserved ID": ("not allowed|200|0xC8", lambda: bus.set_id(200)),
+                "virtual IDs": ("expected the IDs", lambda: motorlink.virtual(ids=5)),
+                "no virtual IDs": ("expected the IDs", lambda: motorlink.virtual(ids=[])),
+                "a large virtual ID": (id, lambda: motorlink.virtual(ids=[256])),
+                "NaN rpm": (f"rpm: {number} nan", lambda: wheel.drive(rpm=math.nan)),
+                "infinite amps": (f"amps: {number} inf", lambda: wheel.drive(amps=math.inf)),
+                "a text as rpm": (f"rpm: {number} 'fast'", lambda: wheel.drive(rpm="fast")),
+                "huge rpm": (f"rpm: {number} 1", lambda: wheel.drive(rpm=10**400)),
+                "much rpm": ("380", lambda: wheel.drive(rpm=1e30)),
+                "acceleration": ("0 to 255", lambda: wheel.drive(rpm=1, acceleration=256)),
+                "negative seconds": (time, lambda: bus.sleep(-1)),
+                "NaN seconds": (number, lambda: bus.sleep(math.nan)),
+                "endless seconds": (number, lambda: bus.sleep(math.inf)),
+                "readings of the past": (time, lambda: next(wheel.readings(-1))),
+                "arrays of the past": (time, lambda: wheel.collect(-1)),
+                "a negative timeout": (time, lambda: motorlink.open("/dev/null", timeout=-1)),
+                "a port that is a number": ("port: expected a path", lambda: motorlink.open(5)),
+                "a model": ("no such model", lambda: motorlink.virtual(model=115)),
+                "a rate": ("500", lambda: motorlink.virtual(rate_hz=100_000)),
+                "a fraction as rate": (whole, lambda: motorlink.virtual(rate_hz=0.5)),
+                "a negative limit": ("380", lambda: bus.limits(rpm=-1)),
+                "a large limit": ("380", lambda: bus.limits(rpm=10**9)),
+                "a NaN limit": (number, lambda: bus.limits(amps=math.nan)),
+                "a negative ramp": ("10,000", lambda: bus.limits(ramp_rpm_s=-5)),
+                "a recording": ("file: expected a path", lambda: bus.record(5)),
+                "a NaN parameter": (f"to_rpm: {number} nan", lambda: wheel.step(to_rpm=math.nan)),
+                "a text as parameter": (number, lambda: wheel.step(to_rpm="fast")),
+                "a study": ("no such study", lambda: wheel.characterise(5)),
+                "a sequence": ("sequence: ", lambda: wheel.run({"steps": {1, 2}})),
+                "a rate of a run": ("500", lambda: wheel.step(rate_hz=10**6)),
+            }
+            for name, (says, call) in cases.items():
+                with self.subTest(name):
+                    with self.assertRaisesRegex(motorlink.InvalidInput, says) as raised:
+                        call()
+                    self.assertNotIn("\n", str(raised.exception))
+            # They have changed nothing.
+            wheel.drive(rpm=60)
+            bus.sleep(1)
+            self.assertAlmostEqual(wheel.reading.speed_rpm, 60, delta=3)
+
+    def test_a_refusal_does_not_repeat_the_name_of_its_exception(self):
+        with motorlink.virtual(ids=[1, 2], model="ddsm210") as bus:
+            for motors in (bus.motor(1), bus.group(1, 2)):
+                with self.assertRaisesRegex(motorlink.NotDone, "no current loop") as raised:
+                    motors.drive(amps=0.1)
+                self.assertNotIn("not done", str(raised.exception))
 
 
 class OnASerialPort(unittest.TestCase):

@@ -20,13 +20,15 @@ from __future__ import annotations
 import asyncio
 import atexit
 import json
+import math
+import operator
 import os
 import signal
 import sys
 import threading
 import time
 import weakref
-from collections.abc import AsyncIterator, Iterator, Sequence
+from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,6 +51,44 @@ __all__ = [
 
 #: How long a call waits for readings before it looks at the clock again, in seconds.
 _STEP_S = 0.05
+
+
+def _index(name: str, value: Any) -> int:
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise InvalidInput(f"{name}: expected a whole number, not {value!r}") from None
+
+
+def _whole(name: str, value: Any, most: int = 255) -> int:
+    """A whole number for Rust, which checks its range. What its type does not hold becomes `most`, which is out of range."""
+    number = _index(name, value)
+    return number if 0 <= number <= most else most
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InvalidInput(f"{name}: expected a number, not {value!r}")
+    return number
+
+
+def _time(name: str, value: Any) -> float:
+    """Seconds: at most a year, which every clock holds."""
+    seconds = _number(name, value)
+    if not 0 <= seconds <= 366 * 86_400:
+        raise InvalidInput(f"{name}: expected a positive time of at most a year, not {value!r}")
+    return seconds
+
+
+def _path(name: str, value: Any) -> str | None:
+    try:
+        return None if value is None else os.fsdecode(value)
+    except TypeError:
+        raise InvalidInput(f"{name}: expected a path, not {value!r}") from None
 
 
 @dataclass(frozen=True)
@@ -119,7 +159,10 @@ class Group:
         if len(given) != 1:
             raise InvalidInput("drive: give one of rpm, amps, degrees")
         name, value = given[0]
-        self._bus._line.drive(self._motors, name, float(value), acceleration, high_current)
+        if not 0 <= _index("acceleration", acceleration) <= 255:
+            raise InvalidInput(f"acceleration: expected 0 to 255, not {acceleration!r}")
+        high_current = bool(high_current)
+        self._bus._line.drive(self._motors, name, _number(name, value), acceleration, high_current)
 
     def stop(self) -> Stop:
         """Stops the motors until each reports standstill."""
@@ -127,6 +170,7 @@ class Group:
 
     def readings(self, seconds: float | None = None) -> Iterator[Reading]:
         """The readings as they come, for this many seconds, or for ever. Raises NotDone if the drive ends by itself."""
+        seconds = None if seconds is None else _time("seconds", seconds)
         line = self._bus._line
         reader = line.begin_reading(self._motors)
         try:
@@ -138,6 +182,7 @@ class Group:
 
     async def readings_async(self, seconds: float | None = None) -> AsyncIterator[Reading]:
         """The same for `async for`."""
+        seconds = None if seconds is None else _time("seconds", seconds)
         line = self._bus._line
         reader = line.begin_reading(self._motors)
         try:
@@ -162,10 +207,15 @@ class Group:
 
     def run(self, sequence: str | dict[str, Any], *, rate_hz: int = 200) -> Run:
         """Runs a sequence or a study: its JSON text, or the same as a dict. The wheels turn."""
-        text = sequence if isinstance(sequence, str) else json.dumps(sequence)
+        try:
+            text = sequence if isinstance(sequence, str) else json.dumps(sequence)
+        except (TypeError, ValueError) as error:
+            raise InvalidInput(f"sequence: {error}") from None
         return self._run(text, rate_hz)
 
     def _run(self, asked: Any, rate_hz: int) -> Run:
+        if not 1 <= _index("rate_hz", rate_hz) <= 500:
+            raise InvalidInput(f"rate_hz: expected 1 to 500, not {rate_hz!r}")
         aborted, figures, whole, csv = self._bus._line.run(asked, self._motors, rate_hz)
         return Run(aborted, json.loads(figures)["figures"], whole, csv)
 
@@ -196,11 +246,12 @@ class Motor(Group):
         return self._study(study, rate_hz, parameters)
 
     def _study(self, name: str, rate_hz: int, parameters: dict[str, Any]) -> Run:
-        def values(value: Any) -> list[float]:
+        def values(key: str, value: Any) -> list[float]:
             several = isinstance(value, (list, tuple))
-            return [float(one) for one in (value if several else [value])]
+            return [_number(key, one) for one in (value if several else [value])]
 
-        return self._run((name, [(key, values(one)) for key, one in parameters.items()]), rate_hz)
+        given = [(key, values(key, value)) for key, value in parameters.items()]
+        return self._run((str(name), given), rate_hz)
 
 
 class Bus:
@@ -232,14 +283,16 @@ class Bus:
 
     def motor(self, id: int | None = None, *, mirrored: bool = False) -> Motor:
         """The motor with this ID, once it has answered; without an ID, the only one that answers."""
-        if id is None:
-            id = self._line.only_motor()
-        self._line.watch((id, mirrored))
-        return Motor(self, [(id, mirrored)])
+        motor = (self._line.only_motor() if id is None else _whole("id", id), bool(mirrored))
+        self._line.watch(motor)
+        return Motor(self, [motor])
 
     def group(self, *ids: int) -> Group:
         """Motors that are driven together, such as `group(1, -2)`: a minus mirrors one."""
-        motors = [(abs(id), id < 0) for id in ids]
+        if not ids:
+            raise InvalidInput("group: name the IDs of its motors, such as group(1, -2)")
+        numbers = [_index("id", id) for id in ids]
+        motors = [(_whole("id", abs(number)), number < 0) for number in numbers]
         for motor in motors:
             self._line.watch(motor)
         return Group(self, motors)
@@ -254,7 +307,7 @@ class Bus:
 
     def sleep(self, seconds: float) -> None:
         """Waits while the motors are driven on. Raises NotDone if the drive ends by itself."""
-        self._line.wait(seconds)
+        self._line.wait(_time("seconds", seconds))
 
     def limits(
         self,
@@ -281,11 +334,11 @@ class Bus:
 
     def set_id(self, new: int) -> int:
         """Gives the only motor on the bus another ID, which it keeps without power, and verifies it. Returns the ID before."""
-        return self._line.set_id(new)
+        return self._line.set_id(_whole("new", new))
 
     def record(self, file: str | os.PathLike[str] | None) -> None:
         """Records the line to a session file (.mcap), which the page replays, until the end; None ends it before."""
-        self._line.record(file)
+        self._line.record(_path("file", file))
 
     def notes(self) -> list[str]:
         """What a person should know, since the last call."""
@@ -354,20 +407,25 @@ def _opened(
     timeout: float,
 ) -> Bus:
     first = {"rpm": 330, "amps": 2.7, "celsius": 75, "ramp_rpm_s": 0, "rate_hz": rate_hz}
+    settings, timeout = _settings(first), _time("timeout", timeout)
     if threading.current_thread() is threading.main_thread():
         for number in _SIGNALS:
             # A program that handles it itself closes the bus itself.
             if signal.getsignal(number) == signal.SIG_DFL:
                 signal.signal(number, _end)
     motors = [(id, False) for id in ids or []]
-    line = _motorlink.Line.open(port, model, motors, ids, keepalive, _settings(first), timeout)
+    port, model = _path("port", port), None if model is None else str(model)
+    line = _motorlink.Line.open(port, model, motors, ids, bool(keepalive), settings, timeout)
     bus = Bus(line, first)
     _buses.add(bus)
     return bus
 
 
 def _settings(of: dict[str, Any]) -> tuple[int, int | None, tuple[int, float, int]]:
-    return of["rate_hz"], of["ramp_rpm_s"] or None, (of["rpm"], of["amps"], of["celsius"])
+    rate, ramp, rpm, celsius = (
+        _whole(name, of[name], 65_535) for name in ("rate_hz", "ramp_rpm_s", "rpm", "celsius")
+    )
+    return rate, ramp or None, (rpm, _number("amps", of["amps"]), celsius)
 
 
 atexit.register(_close_all)
@@ -400,7 +458,9 @@ def virtual(
     keepalive: bool = True,
 ) -> Bus:
     """Virtual motors in this process, without hardware."""
-    return _opened(None, model, list(ids), rate_hz, keepalive, 1.0)
+    if not isinstance(ids, Iterable) or not (motors := [_whole("ids", id) for id in ids]):
+        raise InvalidInput(f"ids: expected the IDs of the motors, such as [1, 2], not {ids!r}")
+    return _opened(None, model, motors, rate_hz, keepalive, 1.0)
 
 
 def command() -> None:
