@@ -340,13 +340,3 @@ pub struct How {
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_command_line_is_consistent() {
-        <Arguments as clap::CommandFactory>::command().debug_assert();
-    }
-}

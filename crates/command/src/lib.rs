@@ -202,3 +202,13 @@ fn usage(error: &clap::Error) -> u8 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_line_is_consistent() {
+        with_negative_values(Arguments::command()).debug_assert();
+    }
+}
