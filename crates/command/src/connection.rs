@@ -10,6 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use motorlink_bus::Event;
 use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
 use motorlink_protocol::MotorId;
 
@@ -42,6 +43,8 @@ pub struct Connection {
     log: RefCell<Option<Log>>,
     listener: Option<RefCell<Listener>>,
     is_interrupted: Arc<AtomicBool>,
+    /// Whether the line is opened again for another model that answers.
+    takes_other_model: bool,
 }
 
 /// Takes what happens on a line in place of the terminal.
@@ -89,6 +92,7 @@ impl Connection {
             log: RefCell::new(None),
             listener: None,
             is_interrupted: Arc::default(),
+            takes_other_model: false,
         })
     }
 
@@ -183,7 +187,9 @@ impl Connection {
         }
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
-                if let Some(text) = words::of_entry(&entry) {
+                let is_taken = self.takes_other_model
+                    && matches!(entry, Entry::Event(Event::OtherModel { .. }));
+                if let Some(text) = words::of_entry(&entry).filter(|_| !is_taken) {
                     self.note(text);
                 }
                 self.hear(at, &entry)?;
@@ -282,13 +288,28 @@ impl Connection {
 pub fn on_line(
     global: &Global,
     ender: &Ender,
-    change: impl FnOnce(&mut Options),
-    work: impl FnOnce(&mut Connection) -> Result<(), Failure>,
+    change: impl Fn(&mut Options),
+    mut work: impl FnMut(&mut Connection) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let mut connection = Connection::open_with(global, ender, change)?;
-    let worked = work(&mut connection);
-    let stopped = connection.end_with(|_| ());
-    most_serious(worked, stopped)
+    let mut found = None;
+    loop {
+        let mut connection = Connection::open_with(global, ender, |options| {
+            change(options);
+            options.model = found.or(options.model);
+        })?;
+        connection.takes_other_model = global.model.is_none() && found.is_none();
+        let takes_other_model = connection.takes_other_model;
+        let worked = work(&mut connection);
+        let stopped = connection.end_with(|_| ());
+        match worked {
+            // Several motors reply to the ID query at once, so that only a scan shows their model.
+            Err(Failure::OtherModel(model)) if takes_other_model => {
+                stopped?;
+                found = Some(model);
+            }
+            worked => return most_serious(worked, stopped),
+        }
+    }
 }
 
 /// The motors of `--id`, or else all virtual ones. Empty if the command looks for them.

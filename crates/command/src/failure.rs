@@ -3,6 +3,7 @@
 use std::{fmt, io, path::Path};
 
 use motorlink_driver::OpenFailure;
+use motorlink_protocol::family::Model;
 
 /// The exit code of a command that was done.
 pub const DONE: u8 = 0;
@@ -16,6 +17,8 @@ pub const USAGE: u8 = 2;
 pub enum Failure {
     /// The motors or the line did not do it: exit code 1.
     NotDone(String),
+    /// Motors of this model answer, for which the line was not opened: exit code 1.
+    OtherModel(Model),
     /// The command line or a file cannot be used: exit code 2.
     Usage(String),
     /// The person has ended the program before it was done: exit code 1.
@@ -58,7 +61,7 @@ impl Failure {
     /// Its exit code.
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
-            Self::NotDone(_) | Self::Interrupted => NOT_DONE,
+            Self::NotDone(_) | Self::OtherModel(_) | Self::Interrupted => NOT_DONE,
             Self::Usage(_) => USAGE,
         }
     }
@@ -77,6 +80,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotDone(text) | Self::Usage(text) => f.write_str(text),
+            Self::OtherModel(found) => write!(f, "a {found} answers on this line: name that model"),
             Self::Interrupted => f.write_str("interrupted"),
         }
     }

@@ -84,6 +84,9 @@ pub fn scan(connection: &Connection) -> Result<ScanReport, Failure> {
     let report = loop {
         match connection.next_within(Duration::from_millis(100))? {
             Happened::Entry(_, Entry::Event(Event::ScanEnded(report))) => break report,
+            Happened::Entry(_, Entry::Event(Event::OtherModel { found, .. })) => {
+                return Err(Failure::OtherModel(found));
+            }
             Happened::Entry(_, Entry::PortLost { .. }) => return Err(not_scanned()),
             Happened::Entry(_, entry) if is_not_done(&entry) => return Err(not_scanned()),
             Happened::Entry(..) => {}

@@ -21,7 +21,12 @@ const STOP_MAX: Duration = Duration::from_secs(5);
 /// Stops the motors of `--id`, or all that answer.
 pub fn run(global: &Global, ender: &Ender) -> Result<(), Failure> {
     let asked: Vec<MotorId> = global.id.iter().map(|motor| motor.id).collect();
-    on_line(global, ender, |_| (), |connection| stop(connection, asked))
+    on_line(
+        global,
+        ender,
+        |_| (),
+        |connection| stop(connection, asked.clone()),
+    )
 }
 
 /// Forgets what an earlier program left driven: the motors of `--id`, or all. It opens no line.

@@ -34,7 +34,7 @@ fn the_motors_that_answered_last_are_listed_with_their_model_and_the_time_since(
         assert!(line.ends_with(" s ago"), "{table}");
     }
 
-    let said = bench.run("--model ddsm210 scan");
+    let said = bench.run("scan");
     assert_eq!(said.code, Some(0), "{said:?}");
     let json = bench.run("ports --json").out;
     for id in [1, 2, 9] {

@@ -21,7 +21,7 @@ create_exception!(
 pub fn exception(failure: &Failure) -> PyErr {
     let text = failure.to_string();
     match failure {
-        Failure::NotDone(_) => not_done(&text),
+        Failure::NotDone(_) | Failure::OtherModel(_) => not_done(&text),
         Failure::Usage(_) => InvalidInput::new_err(text),
         Failure::Interrupted => NotDone::new_err("the line is closed"),
     }

@@ -69,7 +69,7 @@ fn serve(connection: &mut Connection, web: Web, log: Option<&Path>) -> Result<()
     }
     match watch_found(connection) {
         // The page shows that no motor answers, and what to do.
-        Err(Failure::NotDone(text)) => say(text),
+        Err(failure @ (Failure::NotDone(_) | Failure::OtherModel(_))) => say(failure),
         other => other?,
     }
     let viewers = Viewers::new(connection.driver.commander()).map_err(no_threads)?;

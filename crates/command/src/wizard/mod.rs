@@ -71,7 +71,7 @@ impl Line<'_> {
     fn open(
         self,
         plugged_in: &[MotorId],
-        work: impl FnOnce(&mut Connection) -> Result<(), Failure>,
+        mut work: impl FnMut(&mut Connection) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         on_line(
             self.global,
