@@ -9,7 +9,6 @@ use motorlink_protocol::{
 
 use crate::{
     mode_switch::{NeutralDrive, Switch},
-    model::units,
     motor::{Control, Driven, Motor},
     ramp::Ramp,
     safety::step_towards,
@@ -108,10 +107,7 @@ pub(crate) fn next_request(
                 ..driven
             });
             (
-                Request::Drive {
-                    id,
-                    drive: units::drive(model, setpoint),
-                },
+                Request::drive(model, id, setpoint),
                 control,
                 Sent::Drive(Some(setpoint)),
             )

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use crate::program::{Program, motorlink};
 use motorlink_protocol::{
-    MotorId,
-    family::{Mode, Model, Reading, Request, Setpoint},
+    MotorId, Setpoint, SpeedTarget,
+    family::{Mode, Model, Reading, Request},
 };
 
 const ONE: MotorId = MotorId::FIRST;
@@ -44,8 +44,8 @@ fn a_ddsm400_turns_once_it_is_enabled_and_switched() {
     let model = Model::Ddsm400;
     let mut program = Program::start(&["--model", "M0603A"]);
     let port = program.port();
-    let speed = Setpoint::velocity(model.speed(1_000).unwrap());
-    let request = Request::drive(model, ONE, speed).unwrap();
+    let speed = Setpoint::velocity(SpeedTarget::new(100).unwrap());
+    let request = Request::drive(model, ONE, speed);
     let drive = || {
         for _ in 0..30 {
             port.ask_of(model, request).expect("an answer");

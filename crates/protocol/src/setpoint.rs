@@ -3,12 +3,17 @@
 use core::fmt;
 
 use crate::{
+    family::Speed,
     mode::Mode,
+    model::Model,
     open_loop::OpenLoopTarget,
     target::{Acceleration, CurrentTarget, PositionTarget, SpeedTarget},
 };
 
-/// A setpoint in its loop.
+/// Milliamps of a [`CurrentTarget`] at full scale.
+const FULL_SCALE_MA: i32 = 8_000;
+
+/// A setpoint in its loop. Not every model has every loop.
 ///
 /// **Zero is not "stop"**: it is 0 rpm in the velocity loop, coasting in the current loop and a move
 /// to 0 degrees in the position loop. So a setpoint always knows its loop.
@@ -71,6 +76,27 @@ impl Setpoint {
             }
             Self::OpenLoop(target) => Self::OpenLoop(target.reversed()),
             Self::Brake | Self::Position(_) => self,
+        }
+    }
+
+    /// What the drive frame to a motor of this model carries: the value in its units, within what the wire can carry.
+    #[must_use]
+    pub fn drive(self, model: Model) -> Drive {
+        let drive = Drive::from(self);
+        let value = match self {
+            Self::Velocity { speed, .. } => {
+                model.raw_of_speed(Speed::from_tenths(i32::from(speed.rpm()) * 10))
+            }
+            Self::Current(target) => {
+                let full_scale = i32::from(model.spec().current.milliamps());
+                let raw = i32::from(target.raw()) * FULL_SCALE_MA / full_scale;
+                i16::try_from(raw).unwrap_or(if raw < 0 { -i16::MAX } else { i16::MAX })
+            }
+            Self::Brake | Self::Position(_) | Self::OpenLoop(_) => return drive,
+        };
+        Drive {
+            value: value.to_be_bytes(),
+            ..drive
         }
     }
 }

@@ -1,10 +1,8 @@
 //! What holds for any bytes and any request of every model.
 
 use motorlink_protocol::{
-    Acceleration, AssignableId, Celsius, Drive, Frame, MotorId, Position,
-    family::{
-        DriveReading, Faults, Layout, ModeReading, Model, Odometry, Reading, Request, Setpoint,
-    },
+    Acceleration, AssignableId, Celsius, Drive, Frame, MotorId, Position, Setpoint, SpeedTarget,
+    family::{DriveReading, Faults, Layout, ModeReading, Model, Odometry, Reading, Request},
 };
 use proptest::prelude::*;
 
@@ -130,12 +128,10 @@ proptest! {
     }
 
     #[test]
-    fn a_speed_on_the_wire_is_within_the_model_and_comes_back(tenths: i32, model in model()) {
-        let target = model.speed_clamped(tenths);
-        let drive = Setpoint::velocity(target).drive(model).unwrap();
+    fn a_speed_on_the_wire_comes_back(rpm: i32, model in model()) {
+        let target = SpeedTarget::clamped(rpm);
+        let drive = Setpoint::velocity(target).drive(model);
         let read = model.speed_of_raw(drive.signed());
-        prop_assert!(read.magnitude() <= model.spec().speed_rpm_max.into());
-        let step = 10 / i32::from(model.spec().speed_units_per_rpm);
-        prop_assert!((read.tenths() - i32::from(target.tenths())).abs() <= step / 2);
+        prop_assert_eq!(read.tenths(), i32::from(target.rpm()) * 10);
     }
 }

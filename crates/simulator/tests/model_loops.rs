@@ -2,8 +2,8 @@
 
 use crate::line::{Line, ONE, SEPARATE, ms, rpm};
 use motorlink_protocol::{
-    PositionTarget,
-    family::{Mode, Model, OpenLoopTarget, Reading, Request, Setpoint},
+    CurrentTarget, PositionTarget, Setpoint,
+    family::{Mode, Model, OpenLoopTarget, Reading, Request},
 };
 
 /// Published: 210 +-10 rpm, 400 +-20 rpm without load. Of the DDSM315 nothing is published; its
@@ -17,7 +17,7 @@ fn speeds_without_load_are_the_published_ones() {
         (Model::Ddsm400, 400.0, 25.0),
     ] {
         let mut line = Line::ready(model);
-        line.drive_for(rpm(model, model.spec().speed_rpm_max.into()), ms(4_000));
+        line.drive_for(rpm(model.spec().speed_rpm_max.into()), ms(4_000));
         let reached = line.motor().speed_rpm();
         let most = f32::from(model.spec().speed_rpm_max).min(no_load);
         assert!((reached - most).abs() <= within, "{model}: {reached}");
@@ -30,7 +30,7 @@ fn the_brake_stops_a_wheel_from_its_rated_speed_in_time() {
     for model in Model::ALL {
         let rated = model.spec().nominal.rated_rpm.unwrap_or(115);
         let mut line = Line::ready(model);
-        line.drive_for(rpm(model, rated.into()), ms(3_000));
+        line.drive_for(rpm(rated.into()), ms(3_000));
         let before = line.motor().speed_rpm();
         assert!((before - f32::from(rated)).abs() < 4.0, "{model}: {before}");
         line.drive_for(Setpoint::Brake, ms(380));
@@ -59,8 +59,7 @@ fn the_current_loop_of_a_ddsm400_has_its_own_scale() {
     let mut line = Line::ready(Model::Ddsm400);
     line.switch(Mode::Current);
     line.world.motor_mut(ONE).unwrap().block(true);
-    let raw = line.model.current_of_amps(1.0).raw();
-    let amps = line.model.current(raw.into()).unwrap();
+    let amps = CurrentTarget::from_amps(1.0);
     line.drive_for(Setpoint::Current(amps), ms(200));
     assert!((line.motor().current_a() - 1.0).abs() < 0.01);
     let reading = line.drive(Setpoint::Current(amps));
@@ -82,7 +81,7 @@ fn a_switch_to_a_loop_of_another_model_changes_nothing() {
 fn the_position_loop_counts_from_where_it_was_entered() {
     for model in SEPARATE {
         let mut line = Line::ready(model);
-        line.drive_for(rpm(model, 60), ms(1_300));
+        line.drive_for(rpm(60), ms(1_300));
         line.drive_for(Setpoint::Brake, ms(600));
         let entered = line.motor().turns();
         line.switch(Mode::Position);
@@ -108,10 +107,10 @@ fn the_position_loop_counts_from_where_it_was_entered() {
 fn a_hot_winding_is_reported_and_stops_the_wheel() {
     for model in SEPARATE {
         let mut line = Line::ready(model);
-        line.drive_for(rpm(model, 90), ms(1_000));
+        line.drive_for(rpm(90), ms(1_000));
         line.world.motor_mut(ONE).unwrap().set_temperature_c(85.0);
-        line.drive_for(rpm(model, 90), ms(100));
-        let reading = line.drive(rpm(model, 90));
+        line.drive_for(rpm(90), ms(100));
+        let reading = line.drive(rpm(90));
         assert_eq!(reading.faults.to_string(), "over-temperature", "{model}");
         assert_eq!(line.odometry().faults, reading.faults);
         assert_eq!(line.motor().obeyed(), None);
@@ -123,7 +122,7 @@ fn a_hot_winding_is_reported_and_stops_the_wheel() {
 fn a_turning_wheel_is_not_switched_to_the_position_loop_and_says_so() {
     for model in SEPARATE {
         let mut line = Line::ready(model);
-        line.drive_for(rpm(model, 90), ms(1_000));
+        line.drive_for(rpm(90), ms(1_000));
         let mode = Mode::Position;
         let answer = line.ask(Request::SwitchMode { id: ONE, mode });
         assert!(

@@ -4,25 +4,25 @@ use std::time::Duration;
 
 use crate::line::{Line, ONE, SEPARATE, ms, rpm};
 use motorlink_protocol::{
-    AssignableId, Frame, MotorId,
-    family::{Fault, Mode, ModeReading, Model, Reading, Request, Setpoint},
+    AssignableId, Frame, MotorId, Setpoint,
+    family::{Fault, Mode, ModeReading, Model, Reading, Request},
 };
 use motorlink_simulator::{MotorConfig, World, WorldConfig};
 
 #[test]
 fn a_ddsm400_ignores_drive_frames_until_it_is_enabled_and_switched() {
     let mut line = Line::of(Model::Ddsm400);
-    line.drive_for(rpm(line.model, 50), ms(300));
+    line.drive_for(rpm(50), ms(300));
     assert_eq!(line.mode().byte, ModeReading::DISABLED);
     line.switch(Mode::Velocity);
-    line.drive_for(rpm(line.model, 50), ms(300));
+    line.drive_for(rpm(50), ms(300));
     let answer = line.ask(Request::Enable { id: ONE, on: true });
     assert!(matches!(answer, Some(Reading::Mode(reading)) if reading.byte == 8));
-    line.drive_for(rpm(line.model, 50), ms(300));
+    line.drive_for(rpm(50), ms(300));
     assert!(line.motor().speed_rpm().abs() < 0.01 && line.motor().active_mode().is_none());
     line.switch(Mode::Velocity);
     assert_eq!(line.mode().byte, 2);
-    line.drive_for(rpm(line.model, 50), ms(800));
+    line.drive_for(rpm(50), ms(800));
     assert!((line.motor().speed_rpm() - 50.0).abs() < 3.0);
     let motor = line.world.motor_mut(ONE).unwrap();
     motor.power(false);
@@ -36,8 +36,8 @@ fn speed_current_and_temperature_come_with_a_drive_reply_and_turns_with_a_query(
         let mut line = Line::ready(model);
         let before = line.odometry();
         assert_eq!(before.turns, 0);
-        line.drive_for(rpm(model, 90), ms(3_000));
-        let reading = line.drive(rpm(model, 90));
+        line.drive_for(rpm(90), ms(3_000));
+        let reading = line.drive(rpm(90));
         let speed = reading.speed(model, Mode::Velocity).unwrap();
         assert!((880..=920).contains(&speed.tenths()), "{model}: {speed}");
         assert!((28..=40).contains(&reading.temperature.degrees()));
@@ -51,7 +51,7 @@ fn speed_current_and_temperature_come_with_a_drive_reply_and_turns_with_a_query(
 #[test]
 fn turns_are_counted_from_power_up() {
     let mut line = Line::ready(Model::Ddsm210);
-    line.drive_for(rpm(line.model, -120), ms(2_000));
+    line.drive_for(rpm(-120), ms(2_000));
     assert!(line.odometry().turns < -2);
     line.drive_for(Setpoint::Brake, ms(600));
     let motor = line.world.motor_mut(ONE).unwrap();
@@ -141,10 +141,10 @@ fn an_exchange_takes_the_time_of_the_baud() {
 #[test]
 fn a_disabled_ddsm400_coasts_until_it_is_enabled_and_switched_again() {
     let mut line = Line::ready(Model::Ddsm400);
-    line.drive_for(rpm(line.model, 90), ms(1_000));
+    line.drive_for(rpm(90), ms(1_000));
     line.ask(Request::Enable { id: ONE, on: false });
     assert_eq!(line.mode().byte, ModeReading::DISABLED);
-    line.drive_for(rpm(line.model, 90), ms(100));
+    line.drive_for(rpm(90), ms(100));
     assert_eq!(line.motor().obeyed(), None);
     assert_eq!(line.motor().torque_nm().to_bits(), 0);
 }
@@ -171,7 +171,7 @@ fn a_motor_with_a_constant_fault_reports_it_and_obeys_no_drive_frame() {
                 line.ask(Request::Enable { id: ONE, on: true });
                 line.switch(Mode::Velocity);
             }
-            line.drive_for(rpm(model, 50), ms(300));
+            line.drive_for(rpm(50), ms(300));
             let faults = match line.ask(Request::Query { id: ONE }) {
                 Some(Reading::Odometry(odometry)) => odometry.faults,
                 Some(Reading::Combined(reply)) => {

@@ -4,32 +4,12 @@
 //! scale. Only here the units of a model matter.
 
 use motorlink_protocol::{
-    Current, Drive, Mode, Rpm, Setpoint,
+    Current, Drive, Mode, Rpm,
     family::{self, Model, Speed},
 };
 
 /// Milliamps at full scale in the bus.
 const FULL_SCALE_MA: i32 = 8_000;
-
-/// The drive frame of this setpoint.
-pub(crate) fn drive(model: Model, setpoint: Setpoint) -> Drive {
-    let value = match setpoint {
-        Setpoint::Velocity { speed, .. } => {
-            model.raw_of_speed(Speed::from_tenths(i32::from(speed.rpm()) * 10))
-        }
-        Setpoint::Current(target) => {
-            let full_scale = i32::from(model.spec().current.milliamps());
-            saturated(i32::from(target.raw()) * FULL_SCALE_MA / full_scale)
-        }
-        Setpoint::Brake | Setpoint::Position(_) | Setpoint::OpenLoop(_) => {
-            return Drive::from(setpoint);
-        }
-    };
-    Drive {
-        value: value.to_be_bytes(),
-        ..Drive::from(setpoint)
-    }
-}
 
 /// A drive frame of this model in the units of the bus, if the motor reads it in this loop.
 pub(crate) fn in_bus_units(model: Model, drive: Drive, mode: Mode) -> Drive {
@@ -67,7 +47,7 @@ fn saturated(value: i32) -> i16 {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::{CurrentTarget, SpeedTarget};
+    use motorlink_protocol::{CurrentTarget, Setpoint, SpeedTarget};
 
     use super::*;
 
@@ -78,8 +58,8 @@ mod tests {
             Setpoint::Current(CurrentTarget::new(-12_345).unwrap()),
             Setpoint::Brake,
         ] {
-            assert_eq!(drive(Model::Ddsm115, setpoint), Drive::from(setpoint));
-            assert_eq!(drive(Model::Ddsm315, setpoint), Drive::from(setpoint));
+            assert_eq!(setpoint.drive(Model::Ddsm115), Drive::from(setpoint));
+            assert_eq!(setpoint.drive(Model::Ddsm315), Drive::from(setpoint));
         }
     }
 
@@ -87,7 +67,7 @@ mod tests {
     fn speeds_of_the_others_are_in_tenths() {
         let setpoint = Setpoint::velocity(SpeedTarget::new(-100).unwrap());
         for model in [Model::Ddsm210, Model::Ddsm400] {
-            assert_eq!(drive(model, setpoint).signed(), -1_000);
+            assert_eq!(setpoint.drive(model).signed(), -1_000);
             assert_eq!(speed(model.speed_of_raw(-999)), Rpm::new(-99));
             assert_eq!(rpm_of_raw(model, -991), 100);
         }
@@ -96,10 +76,10 @@ mod tests {
     #[test]
     fn full_scale_of_a_ddsm400_is_four_amps() {
         let half = Setpoint::Current(CurrentTarget::from_amps(-2.0));
-        let raw = drive(Model::Ddsm400, half).signed();
+        let raw = half.drive(Model::Ddsm400).signed();
         assert!((-16_384..=-16_382).contains(&raw), "{raw}");
         let too_much = Setpoint::Current(CurrentTarget::from_amps(5.0));
-        assert_eq!(drive(Model::Ddsm400, too_much).signed(), i16::MAX);
+        assert_eq!(too_much.drive(Model::Ddsm400).signed(), i16::MAX);
         let reported = current(Model::Ddsm400.current_of_amps(-2.0));
         assert!((reported.amps() + 2.0).abs() < 0.001, "{reported}");
     }

@@ -1,11 +1,10 @@
-//! Torque current: reported and commanded, with the scale of the model.
+//! Reported torque current, with the scale of the model.
 
 use core::fmt;
 
 use crate::{
     measured::{Scaled, nearest_i16, sign},
     model::{CurrentScale, Model},
-    target::{OutOfRange, checked},
 };
 
 /// Raw full scale.
@@ -47,44 +46,6 @@ impl Current {
     }
 }
 
-/// A commanded torque current: a raw number from -32767 to 32767, and the scale of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CurrentTarget(Current);
-
-impl CurrentTarget {
-    /// Least raw target.
-    pub const MIN: i32 = -32767;
-    /// Greatest raw target.
-    pub const MAX: i32 = 32767;
-
-    /// The raw number.
-    #[must_use]
-    pub const fn raw(self) -> i16 {
-        self.0.raw
-    }
-
-    /// What the raw number means.
-    #[must_use]
-    pub const fn scale(self) -> CurrentScale {
-        self.0.scale
-    }
-
-    /// The same current in the other direction.
-    #[must_use]
-    pub const fn reversed(self) -> Self {
-        Self(Current {
-            raw: -self.0.raw,
-            scale: self.0.scale,
-        })
-    }
-
-    /// Amps.
-    #[must_use]
-    pub fn amps(self) -> f32 {
-        self.0.amps()
-    }
-}
-
 impl Model {
     /// A current that was read from the wire.
     #[must_use]
@@ -100,21 +61,6 @@ impl Model {
     pub fn current_of_amps(self, amps: f32) -> Current {
         self.current_of_raw(nearest_i16(amps * FULL_SCALE / self.spec().current.amps()))
     }
-
-    /// A raw target; 0 A lets the wheel coast.
-    ///
-    /// # Errors
-    /// Outside -32767..=32767.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the value was checked to be inside i16"
-    )]
-    pub const fn current(self, raw: i32) -> Result<CurrentTarget, OutOfRange> {
-        match checked(raw, CurrentTarget::MIN, CurrentTarget::MAX, "raw current") {
-            Ok(raw) => Ok(CurrentTarget(self.current_of_raw(raw as i16))),
-            Err(error) => Err(error),
-        }
-    }
 }
 
 /// `+0.175 A`, or `raw +717` if the scale is not certain.
@@ -126,12 +72,6 @@ impl fmt::Display for Current {
         } else {
             write!(f, "raw {sign}{}", self.raw.unsigned_abs())
         }
-    }
-}
-
-impl fmt::Display for CurrentTarget {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
     }
 }
 

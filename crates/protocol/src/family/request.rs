@@ -8,13 +8,10 @@ use crate::{
     model::Model,
     motor_id::{AssignableId, MotorId},
     request as combined,
-    setpoint::Drive,
+    setpoint::{Drive, Setpoint},
 };
 
-use super::{
-    reading::{Layout, ModeReading},
-    setpoint::{NotOfModel, Setpoint},
-};
+use super::reading::{Layout, ModeReading};
 
 const MODE_QUERY: u8 = 0x75;
 const SWITCH_MODE: u8 = 0xA0;
@@ -74,6 +71,25 @@ pub enum Request {
     },
 }
 
+/// Why a model cannot be asked for something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotOfModel {
+    /// The model has no such loop.
+    Mode {
+        /// The model.
+        model: Model,
+        /// The loop.
+        mode: Mode,
+    },
+    /// The model has no such frame.
+    Request {
+        /// The model.
+        model: Model,
+        /// What the frame does: `mode query`.
+        name: &'static str,
+    },
+}
+
 /// Why ten bytes are no request that the model knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestError {
@@ -89,13 +105,11 @@ pub enum RequestError {
 }
 
 impl Request {
-    /// The drive request that asks a motor of this model for a setpoint.
-    ///
-    /// # Errors
-    /// The model cannot be asked for it.
-    pub fn drive(model: Model, id: MotorId, setpoint: Setpoint) -> Result<Self, NotOfModel> {
-        let drive = setpoint.drive(model)?;
-        Ok(Self::Drive { id, drive })
+    /// The drive request that asks a motor of this model for a setpoint. The motor must be in its loop.
+    #[must_use]
+    pub fn drive(model: Model, id: MotorId, setpoint: Setpoint) -> Self {
+        let drive = setpoint.drive(model);
+        Self::Drive { id, drive }
     }
 
     /// The ten bytes to send to motors of this model.
@@ -233,6 +247,21 @@ fn set_id_with_crc(id: AssignableId) -> Frame {
     let [b0, b1, b2, b3, b4, b5, b6, b7, b8, _] = *combined::Request::SetId { id }.frame().bytes();
     Frame::with_crc([b0, b1, b2, b3, b4, b5, b6, b7, b8])
 }
+
+impl fmt::Display for NotOfModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mode { model, mode } => {
+                write!(f, "A {model} has no {mode}. Choose another loop.")
+            }
+            Self::Request { model, name } => {
+                write!(f, "A {model} has no {name}. Choose another frame.")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NotOfModel {}
 
 impl fmt::Display for RequestError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

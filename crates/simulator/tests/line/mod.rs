@@ -4,8 +4,8 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Frame, Instant, MotorId,
-    family::{DriveReading, Mode, ModeReading, Model, Odometry, Reading, Request, Setpoint},
+    Frame, Instant, MotorId, Setpoint, SpeedTarget,
+    family::{DriveReading, Mode, ModeReading, Model, Odometry, Reading, Request},
 };
 use motorlink_simulator::{VirtualMotor, World, WorldConfig};
 
@@ -70,7 +70,7 @@ impl Line {
     }
 
     pub fn drive(&mut self, setpoint: Setpoint) -> DriveReading {
-        let request = Request::drive(self.model, ONE, setpoint).unwrap();
+        let request = Request::drive(self.model, ONE, setpoint);
         match self.ask(request) {
             Some(Reading::Drive(reading)) => reading,
             other => panic!("{other:?}"),
@@ -95,13 +95,13 @@ impl Line {
     pub fn drive_for(&mut self, setpoint: Setpoint, time: Duration) {
         let end = self.now + time;
         while self.now < end {
-            let request = Request::drive(self.model, ONE, setpoint).unwrap();
+            let request = Request::drive(self.model, ONE, setpoint);
             self.send(request.frame(self.model).unwrap());
             self.wait(ms(5));
         }
     }
 }
 
-pub fn rpm(model: Model, rpm: i32) -> Setpoint {
-    Setpoint::velocity(model.speed(rpm * 10).unwrap())
+pub fn rpm(rpm: i32) -> Setpoint {
+    Setpoint::velocity(SpeedTarget::new(rpm).unwrap())
 }
