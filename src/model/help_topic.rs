@@ -2,9 +2,11 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::bus::{Refusal, WithdrawReason};
+use strum::{IntoStaticStr, VariantArray};
 
 /// A place in the help. Each is an `id` in every language's file, in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub(crate) enum HelpTopic {
     Wiring,
     Pinout,
@@ -31,61 +33,14 @@ pub(crate) enum HelpTopic {
 }
 
 impl HelpTopic {
-    pub(crate) const ALL: [Self; 22] = [
-        Self::Wiring,
-        Self::Pinout,
-        Self::FirstSpin,
-        Self::Specifications,
-        Self::Protocol,
-        Self::Faults,
-        Self::Ports,
-        Self::Keys,
-        Self::Troubleshooting,
-        Self::NoPortInList,
-        Self::PortDoesNotOpen,
-        Self::NoAnswer,
-        Self::WrongWay,
-        Self::StaysInLoop,
-        Self::DamagedBytes,
-        Self::TwoMotorsOneId,
-        Self::StrangerAnswers,
-        Self::AdapterSlow,
-        Self::StoppedByItself,
-        Self::StopNotConfirmed,
-        Self::TemperatureUnknown,
-        Self::Install,
-    ];
-
     /// Its `id` in the files.
     pub(crate) const fn id(self) -> &'static str {
-        match self {
-            Self::Wiring => "wiring",
-            Self::Pinout => "pinout",
-            Self::FirstSpin => "first-spin",
-            Self::Specifications => "specifications",
-            Self::Protocol => "protocol",
-            Self::Faults => "faults",
-            Self::Ports => "ports",
-            Self::Keys => "keys",
-            Self::Troubleshooting => "troubleshooting",
-            Self::NoPortInList => "no-port-in-list",
-            Self::PortDoesNotOpen => "port-does-not-open",
-            Self::NoAnswer => "no-answer",
-            Self::WrongWay => "wrong-way",
-            Self::StaysInLoop => "stays-in-loop",
-            Self::DamagedBytes => "damaged-bytes",
-            Self::TwoMotorsOneId => "two-motors-one-id",
-            Self::StrangerAnswers => "stranger-answers",
-            Self::AdapterSlow => "adapter-slow",
-            Self::StoppedByItself => "stopped-by-itself",
-            Self::StopNotConfirmed => "stop-not-confirmed",
-            Self::TemperatureUnknown => "temperature-unknown",
-            Self::Install => "install",
-        }
+        self.into_str()
     }
 
     pub(crate) fn from_id(id: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|topic| topic.id() == id)
+        let mut all = Self::VARIANTS.iter().copied();
+        all.find(|topic| topic.id() == id)
     }
 
     /// The label of a button that opens this place.

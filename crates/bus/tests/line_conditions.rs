@@ -35,7 +35,7 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
 /// No condition starts a wheel that stands, or whose setpoint was withdrawn.
 #[test]
 fn no_line_starts_a_wheel() {
-    for case in LineCondition::ALL {
+    for case in LineCondition::ALL.iter().copied() {
         // Its firmware coasts, so that the wheel stands when the line is back: this is about a wheel that stands.
         let mut fixture = Fixture::one_motor_when_silent(WhenSilent::CoastAfter(WhenSilent::AFTER));
         fixture.drive(rpm(100)).unwrap();

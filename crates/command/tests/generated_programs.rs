@@ -322,7 +322,7 @@ fn the_arduino_sketch_drives_and_stops() {
 #[test]
 fn the_published_schema_accepts_every_template_and_refuses_what_the_program_refuses() {
     let dir = tempfile::tempdir().unwrap();
-    for (place, template) in Template::ALL.into_iter().enumerate() {
+    for (place, template) in Template::ALL.iter().enumerate() {
         let file = dir.path().join(format!("good-{place}.json"));
         fs::write(file, template.sequence().to_json()).unwrap();
     }

@@ -480,7 +480,7 @@ fn an_aborted_study_has_the_figures_of_what_was_measured() {
 #[test]
 fn every_study_survives_its_file_and_its_defaults_are_valid() {
     let fleet = Fleet::of([ONE]);
-    for kind in StudyKind::ALL {
+    for kind in StudyKind::ALL.iter().copied() {
         let study = Study::of(kind, ONE);
         study.check(&fleet).unwrap();
         assert_eq!(study.kind(), kind);

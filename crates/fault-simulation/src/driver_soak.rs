@@ -7,6 +7,7 @@ use motorlink_fault_simulation::{
     DriverCoverage, DriverRule, DriverScenario, DriverViolation, play_driver, shrink_driver,
     trace_driver,
 };
+use strum::VariantArray;
 
 use crate::{grouped, on_all_cores};
 
@@ -75,12 +76,12 @@ fn print_table(played: &Played, from: u64, by_rule: &BTreeMap<DriverRule, u64>) 
     let (seeds, broken) = (grouped(played.seeds), played.broken.len());
     println!(
         "| worlds that fail, native driver | none of {} rules broken | {broken} of {seeds} seeds from {from} with a broken rule | {} |",
-        DriverRule::ALL.len(),
+        DriverRule::VARIANTS.len(),
         yes(broken == 0)
     );
-    for rule in DriverRule::ALL {
-        let times = played.coverage.judged.get(&rule).copied().unwrap_or(0);
-        let by = match by_rule.get(&rule) {
+    for rule in DriverRule::VARIANTS {
+        let times = played.coverage.judged.get(rule).copied().unwrap_or(0);
+        let by = match by_rule.get(rule) {
             None => String::new(),
             Some(seeds) => format!(", broken by {seeds} seeds"),
         };

@@ -23,6 +23,7 @@ use anyhow::{Context, Result, bail};
 use motorlink_fault_simulation::{Coverage, Failure, Rule, Scenario, play, shrink, trace_lines};
 use motorlink_protocol::family::Model;
 use motorlink_simulator::WhenSilent;
+use strum::VariantArray;
 
 mod driver_soak;
 
@@ -247,13 +248,13 @@ fn print_table(
     let played = grouped(seeds.end - seeds.start);
     println!(
         "| worlds that fail{of} | none of {} rules broken after any step | {with_broken} of {played} seeds from {} with a broken rule | {} |",
-        Rule::ALL.len(),
+        Rule::VARIANTS.len(),
         seeds.start,
         yes(with_broken == 0)
     );
-    for rule in Rule::ALL {
-        let times = coverage.judged.get(&rule).copied().unwrap_or(0);
-        let seeds = broken.get(&rule).copied().unwrap_or(0);
+    for rule in Rule::VARIANTS {
+        let times = coverage.judged.get(rule).copied().unwrap_or(0);
+        let seeds = broken.get(rule).copied().unwrap_or(0);
         let by = match seeds {
             0 => String::new(),
             seeds => format!(", broken by {seeds} seeds"),

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use motorlink_protocol::Instant;
+use strum::VariantArray;
 
 /// A rule's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, VariantArray)]
 pub enum Rule {
     /// A wheel is driven only while a command of the operator for it is in force.
     DrivenByCommandOnly,
@@ -66,52 +67,18 @@ pub enum Rule {
     StartEnds,
 }
 
-impl Rule {
-    /// All of them.
-    pub const ALL: [Self; 28] = [
-        Self::DrivenByCommandOnly,
-        Self::NoOldActs,
-        Self::NoMoreThanCommanded,
-        Self::SilentIsWithdrawn,
-        Self::LimitsHold,
-        Self::StopIsNext,
-        Self::StopEnds,
-        Self::DeadPageStops,
-        Self::TelemetryIsTrue,
-        Self::OneFrameAtATime,
-        Self::GoodRepliesAreHeard,
-        Self::IdChangeIsProved,
-        Self::LogIsComplete,
-        Self::ComesToRest,
-        Self::GapWithdraws,
-        Self::StopMovesNothing,
-        Self::HoldHolds,
-        Self::NothingAboveALimit,
-        Self::ReversalPassesZero,
-        Self::StoppedAfterALoss,
-        Self::StoppedAfterADeadLine,
-        Self::StandstillIsTrue,
-        Self::UnaskedIsSaid,
-        Self::FirstBrakeInTime,
-        Self::StopsConfirm,
-        Self::NoInventedValue,
-        Self::AskedInTime,
-        Self::StartEnds,
-    ];
-}
-
 /// A broken rule.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Violation {
+pub struct Violation<R = Rule> {
     /// The rule.
-    pub rule: Rule,
+    pub rule: R,
     /// When, in virtual time.
     pub at: Instant,
     /// What happened.
     pub what: String,
 }
 
-impl fmt::Display for Violation {
+impl<R: fmt::Debug> fmt::Display for Violation<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?} at {:?}: {}", self.rule, self.at, self.what)
     }
@@ -119,7 +86,11 @@ impl fmt::Display for Violation {
 
 pub(crate) type Outcome = Result<(), Violation>;
 
-pub(crate) fn broken<T>(rule: Rule, at: Instant, what: impl Into<String>) -> Result<T, Violation> {
+pub(crate) fn broken<T, R>(
+    rule: R,
+    at: Instant,
+    what: impl Into<String>,
+) -> Result<T, Violation<R>> {
     let what = what.into();
     Err(Violation { rule, at, what })
 }

@@ -418,7 +418,7 @@ mod tests {
             notices: vec![Notice::StopEnded(report)],
         }));
         for wire in VirtualWire::ALL {
-            round_trip(&ToWorker::VirtualWire(wire));
+            round_trip(&ToWorker::VirtualWire(*wire));
         }
         for motors in VirtualMotors::ALL {
             for model in Model::ALL {

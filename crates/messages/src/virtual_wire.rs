@@ -1,9 +1,10 @@
 //! What is wrong with the virtual motor's line.
 
 use serde::{Deserialize, Serialize};
+use strum::VariantArray;
 
 /// What a person would like to see the virtual line do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, VariantArray)]
 pub enum VirtualWire {
     /// Nothing is wrong.
     #[default]
@@ -24,13 +25,5 @@ pub enum VirtualWire {
 
 impl VirtualWire {
     /// All of them, in the order in which a menu shows them.
-    pub const ALL: [Self; 7] = [
-        Self::Good,
-        Self::Dead,
-        Self::EchoOnly,
-        Self::SharedId,
-        Self::NoiseGrowsWithSpeed,
-        Self::HoldsBytes,
-        Self::Stranger,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 }

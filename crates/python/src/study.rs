@@ -35,11 +35,11 @@ impl Asked {
         match self {
             Self::Text(text) => file_study(text).map_err(|error| Failure::Usage(error.to_string())),
             Self::Study(name, parameters) => {
-                let kind = StudyKind::ALL.into_iter().find(|kind| kind.field() == name);
+                let kind = StudyKind::ALL.iter().find(|kind| kind.field() == name);
                 let Some(kind) = kind else {
                     return Err(Failure::Usage(format!("{name}: no such study")));
                 };
-                let mut study = Study::of(kind, motor);
+                let mut study = Study::of(*kind, motor);
                 for (name, values) in parameters {
                     assign(&mut study, name, values).map_err(Failure::Usage)?;
                 }

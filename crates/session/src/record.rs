@@ -3,6 +3,7 @@
 use motorlink_bus::{LineEvent, LineEventKind, StopOutcome};
 use motorlink_messages::Update;
 use motorlink_protocol::Instant;
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 /// One event of a session.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +52,20 @@ pub struct Event {
 }
 
 /// Kinds of events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[strum(serialize_all = "snake_case")]
 pub enum EventKind {
     /// A port was opened.
     Connected,
@@ -74,40 +88,16 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// Every kind.
-    pub const ALL: [Self; 9] = [
-        Self::Connected,
-        Self::Disconnected,
-        Self::StopBegan,
-        Self::StopEnded,
-        Self::Limit,
-        Self::Fault,
-        Self::Run,
-        Self::Bookmark,
-        Self::Notice,
-    ];
-
     /// Its name in the file.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Connected => "connected",
-            Self::Disconnected => "disconnected",
-            Self::StopBegan => "stop_began",
-            Self::StopEnded => "stop_ended",
-            Self::Limit => "limit",
-            Self::Fault => "fault",
-            Self::Run => "run",
-            Self::Bookmark => "bookmark",
-            Self::Notice => "notice",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// The kind of this name. An unknown kind of a later version becomes a notice.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
-        let named = Self::ALL.into_iter().find(|kind| kind.name() == name);
-        named.unwrap_or(Self::Notice)
+        name.parse().unwrap_or(Self::Notice)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{MotorId, family::Model};
+use strum::VariantArray;
 
 use crate::{config::MotorConfig, wire::Echo, wire::WireFaults};
 
@@ -20,7 +21,7 @@ const TWIN_ANGLE_DEG: f32 = 137.0;
 const STRANGER: u8 = 7;
 
 /// A healthy line, or one injected fault.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, VariantArray)]
 pub enum LineCondition {
     /// Healthy.
     #[default]
@@ -41,15 +42,7 @@ pub enum LineCondition {
 
 impl LineCondition {
     /// Every condition, the healthy one first.
-    pub const ALL: [Self; 7] = [
-        Self::Good,
-        Self::Dead,
-        Self::EchoOnly,
-        Self::SharedId,
-        Self::NoiseGrowsWithSpeed,
-        Self::HoldsBytes,
-        Self::Stranger,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The faults of the wire.
     #[must_use]

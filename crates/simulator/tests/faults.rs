@@ -297,7 +297,7 @@ fn a_motor_does_not_obey_a_frame_that_was_on_the_wire_before_it() {
 #[test]
 fn no_case_of_a_line_drives_anything() {
     let mut fixture = with(WireFaults::default());
-    for case in LineCondition::ALL {
+    for case in LineCondition::ALL.iter().copied() {
         fixture.world.set_line_condition(fixture.now, case);
         for _ in 0..20 {
             fixture.send(QUERY.frame());

@@ -58,7 +58,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
     view! {
         <div class="experiments">
             <div class="tabs" role="tablist" aria-label=tr!("Experiments")>
-                {ExperimentTab::ALL.map(|tab| tab_button(of, tab)).collect_view()}
+                {ExperimentTab::ALL.iter().map(|tab| tab_button(of, *tab)).collect_view()}
             </div>
             <div
                 class="experiment"

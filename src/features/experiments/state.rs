@@ -14,6 +14,7 @@ use motorlink_messages::{
     },
     runs::RunState,
 };
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::{
     features::experiments::{
@@ -32,10 +33,13 @@ use crate::{
 };
 
 /// A tab of the panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub(super) enum ExperimentTab {
     Sequence,
+    #[strum(serialize = "step-response")]
     Step,
+    #[strum(serialize = "frequency-response")]
     Frequency,
     Characterise,
     Runs,
@@ -43,24 +47,10 @@ pub(super) enum ExperimentTab {
 }
 
 impl ExperimentTab {
-    pub(super) const ALL: [Self; 6] = [
-        Self::Sequence,
-        Self::Step,
-        Self::Frequency,
-        Self::Characterise,
-        Self::Runs,
-        Self::Code,
-    ];
+    pub(super) const ALL: &[Self] = Self::VARIANTS;
 
     pub(super) const fn key(self) -> &'static str {
-        match self {
-            Self::Sequence => "sequence",
-            Self::Step => "step-response",
-            Self::Frequency => "frequency-response",
-            Self::Characterise => "characterise",
-            Self::Runs => "runs",
-            Self::Code => "code",
-        }
+        self.into_str()
     }
 }
 
@@ -217,7 +207,7 @@ impl Experiments {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
                 let motor = page.selected.get_untracked();
-                let kinds = StudyKind::ALL.into_iter();
+                let kinds = StudyKind::ALL.iter().copied();
                 let studies = kinds
                     .filter(|kind| *kind != StudyKind::Sequence)
                     .map(|kind| Study::of(kind, motor));

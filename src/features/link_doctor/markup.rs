@@ -78,8 +78,8 @@ pub(crate) fn panel() -> String {
     let mut html = head();
     push(&mut html, &[no_virtual_wire(), "\">"]);
     // The value of each is its place.
-    for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
-        let (place, name) = (place.to_string(), texts::wire(wire));
+    for (place, wire) in VirtualWire::ALL.iter().enumerate() {
+        let (place, name) = (place.to_string(), texts::wire(*wire));
         push(
             &mut html,
             &["<option value=\"", &place, "\">", name, "</option>"],

@@ -6,6 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use strum::IntoStaticStr;
+
 use super::{Point, least_squares::LeastSquares};
 
 /// Minimal number of measured periods.
@@ -76,8 +78,9 @@ pub struct BodePoint {
     pub invalid: Option<Invalid>,
 }
 
-/// Why a point of a frequency response is invalid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Why a point of a frequency response is invalid. As a text it is the name in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Invalid {
     /// Fewer than two periods, or too few replies a period.
     TooShort,

@@ -1,9 +1,12 @@
 //! What a motor did when its drive frames ceased: decided from its speed and current over time.
 
+use strum::{EnumString, IntoStaticStr};
+
 use super::Point;
 
 /// What a motor does when drive frames cease.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum WhenSilent {
     /// It keeps its last command, for as long as was measured.
     Keeps,
@@ -52,23 +55,16 @@ pub(crate) fn median(points: &[Point]) -> Option<f64> {
 }
 
 impl WhenSilent {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Keeps, Self::Coasts, Self::Brakes];
-
     /// Its name in a file.
     #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Keeps => "keeps",
-            Self::Coasts => "coasts",
-            Self::Brakes => "brakes",
-        }
+    pub fn key(self) -> &'static str {
+        self.into()
     }
 
     /// The one with this name.
     #[must_use]
     pub fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|it| it.key() == key)
+        key.parse().ok()
     }
 }
 
@@ -206,7 +202,9 @@ mod tests {
 
     #[test]
     fn each_behaviour_has_a_name_in_a_file() {
-        for it in WhenSilent::ALL {
+        let all = [WhenSilent::Keeps, WhenSilent::Coasts, WhenSilent::Brakes];
+        assert_eq!(all.map(WhenSilent::key), ["keeps", "coasts", "brakes"]);
+        for it in all {
             assert_eq!(WhenSilent::from_key(it.key()), Some(it));
         }
         assert_eq!(WhenSilent::from_key(""), None);

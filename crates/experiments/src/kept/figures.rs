@@ -4,7 +4,7 @@ use nojson::{DisplayJson, JsonFormatter, array, object};
 
 use super::RunHeader;
 use crate::{
-    analysis::{Estimate, FittedModel, Invalid, Lag, WhenSilent},
+    analysis::{Estimate, FittedModel, Lag, WhenSilent},
     sequence::Quantity,
     study::{
         CoastDownFindings, Findings, FrequencyFindings, FrictionFindings, HeatingFindings,
@@ -166,11 +166,7 @@ fn torque_speed(found: &TorqueSpeedFindings) -> Row {
 }
 
 fn silence(found: &SilenceFindings) -> Row {
-    let result = found.result.map_or("", |result| match result {
-        WhenSilent::Keeps => "keeps",
-        WhenSilent::Coasts => "coasts",
-        WhenSilent::Brakes => "brakes",
-    });
+    let result = found.result.map_or("", WhenSilent::key);
     let ((asked, asked_end), (unasked, unasked_end)) = (found.asked_rpm, found.unasked_rpm);
     vec![
         ("when_frames_cease", Cell::Text(result)),
@@ -237,7 +233,7 @@ fn points(found: &FrequencyFindings) -> Vec<Row> {
             ("from_s", Cell::Number(Some(point.from_s))),
             ("to_s", Cell::Number(Some(point.to_s))),
             ("valid", Cell::Flag(point.invalid.is_none())),
-            ("why", Cell::Text(point.invalid.map_or("", why))),
+            ("why", Cell::Text(point.invalid.map_or("", Into::into))),
             ("gain_db", Cell::Number(Some(point.gain_db))),
             ("phase_deg", Cell::Number(Some(point.phase_deg))),
             ("turn_is_known", Cell::Flag(point.turn_is_known)),
@@ -275,17 +271,6 @@ fn fitted(model: Option<FittedModel>) -> Row {
         ("fit_damping_interval", interval(damping)),
         ("fit_rms", Cell::Number(model.map(|model| model.rms))),
     ]
-}
-
-const fn why(invalid: Invalid) -> &'static str {
-    match invalid {
-        Invalid::TooShort => "too_short",
-        Invalid::RepliesLost => "replies_lost",
-        Invalid::Saturated => "saturated",
-        Invalid::Clipped => "clipped",
-        Invalid::TooSmall => "too_small",
-        Invalid::Noisy => "noisy",
-    }
 }
 
 impl Cell {

@@ -10,35 +10,8 @@ pub(super) fn name(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Running => "running",
         Outcome::Ended(End::Finished { .. }) => "finished",
-        Outcome::Ended(End::Aborted { cause, .. }) => of_cause(cause),
+        Outcome::Ended(End::Aborted { cause, .. }) => cause.into(),
         Outcome::PageClosed => "page_closed",
-    }
-}
-
-/// The name of a cause, without the details that its name does not have.
-const fn of_cause(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Stopped => "stopped",
-        Cause::Driven(..) => "driven",
-        Cause::Fault(..) => "fault",
-        Cause::Silent(..) => "silent",
-        Cause::Limit(..) => "limit",
-        Cause::OtherLoop(..) => "other_loop",
-        Cause::Refused(..) => "refused",
-        Cause::Unplugged => "unplugged",
-        Cause::TabClosed => "tab_closed",
-        Cause::PageSilent => "page_silent",
-        Cause::OperatorLost => "operator_lost",
-        Cause::FocusLost => "focus_lost",
-        Cause::Slept => "slept",
-        Cause::Late => "late",
-        Cause::WaitTimedOut { .. } => "wait_timed_out",
-        Cause::PausedTooLong => "paused_too_long",
-        Cause::PortClosed => "port_closed",
-        Cause::Scan => "scan",
-        Cause::OtherModel => "other_model",
-        Cause::LeftDriven => "left_driven",
-        Cause::ProgramFailed => "program_failed",
     }
 }
 
@@ -77,7 +50,7 @@ pub(super) fn read(name: &str, at: Instant, id: MotorId) -> Option<Outcome> {
         "finished" => Some(Outcome::Ended(End::Finished { at })),
         _ => {
             let mut known = causes(id).into_iter();
-            let cause = known.find(|cause| of_cause(*cause) == name)?;
+            let cause = known.find(|cause| <&str>::from(cause) == name)?;
             Some(Outcome::Ended(End::Aborted { cause, at }))
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use motorlink_protocol::{Faults, Instant, Mode, MotorId};
+use strum::IntoStaticStr;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +24,8 @@ pub enum End {
 }
 
 /// Why a run is aborted. The bus reports some of the causes, the worker others.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Cause {
     /// The user pressed stop.

@@ -1,11 +1,13 @@
 //! Templates of sequences.
 
+use strum::VariantArray;
+
 use super::{
     Condition, End, PASSES_MAX, Quantity, Repeat, RunLimits, Selection, Sequence, Shape, Step, Wave,
 };
 
 /// A template of a sequence. Each runs with all motors of the fleet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Template {
     /// Both directions, from slow to fast: grease and bearings first.
     WarmUp,
@@ -35,14 +37,7 @@ const SWEEP_POINTS: u32 = 21;
 
 impl Template {
     /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::WarmUp,
-        Self::BackAndForth,
-        Self::Staircase,
-        Self::SineSweep,
-        Self::PositionTour,
-        Self::Endurance,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// Its name for the user.
     #[must_use]

@@ -64,10 +64,10 @@ impl Study {
         }
         let kind = file.need("kind")?;
         let name = kind.text(64)?;
-        let Some(of) = StudyKind::ALL.into_iter().find(|it| it.field() == name) else {
+        let Some(of) = StudyKind::ALL.iter().find(|it| it.field() == name) else {
             return Err(kind.wrong(Problem::Expected("the name of a study")));
         };
-        if of == StudyKind::Sequence {
+        if *of == StudyKind::Sequence {
             let sequence = file.need("sequence")?;
             file.end()?;
             return Sequence::from_json(sequence.value.as_raw_str()).map(Self::Sequence);
@@ -76,7 +76,7 @@ impl Study {
         let motor = u8::try_from(node.whole(254.0)?).unwrap_or_default();
         let motor = MotorId::new(motor)
             .map_err(|_| node.wrong(Problem::Expected("a motor from 1 to 254")))?;
-        let mut study = Self::of(of, motor);
+        let mut study = Self::of(*of, motor);
         for mut parameter in study.parameters() {
             let value = file.need(parameter.name)?.number()?;
             parameter.set(value);

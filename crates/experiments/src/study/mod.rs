@@ -31,6 +31,7 @@ mod torque_speed;
 use std::time::Duration;
 
 use motorlink_protocol::{MotorId, family::Model};
+use strum::{EnumDiscriminants, IntoStaticStr, VariantArray};
 
 pub use coast_down::{CoastDownFindings, CoastDownStudy};
 pub use frequency::{FrequencyFindings, FrequencyStudy};
@@ -49,13 +50,21 @@ use crate::{
 };
 
 /// What a run asks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, EnumDiscriminants)]
+#[strum_discriminants(
+    name(StudyKind),
+    derive(IntoStaticStr, VariantArray),
+    strum(serialize_all = "snake_case"),
+    doc = "Which study it is."
+)]
 pub enum Study {
     /// A sequence of the user, without figures.
     Sequence(Sequence),
     /// How a motor goes from one speed to another.
+    #[strum_discriminants(strum(serialize = "step_response"))]
     Step(StepStudy),
     /// Gain and phase of the velocity loop.
+    #[strum_discriminants(strum(serialize = "frequency_response"))]
     Frequency(FrequencyStudy),
     /// Current by speed without load.
     Friction(FrictionStudy),
@@ -66,28 +75,8 @@ pub enum Study {
     /// Speed by torque, while a person loads the wheel.
     TorqueSpeed(TorqueSpeedStudy),
     /// What a motor does when drive frames cease.
+    #[strum_discriminants(strum(serialize = "when_frames_cease"))]
     Silence(SilenceStudy),
-}
-
-/// Which study it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StudyKind {
-    /// See [`Study::Sequence`].
-    Sequence,
-    /// See [`Study::Step`].
-    Step,
-    /// See [`Study::Frequency`].
-    Frequency,
-    /// See [`Study::Friction`].
-    Friction,
-    /// See [`Study::CoastDown`].
-    CoastDown,
-    /// See [`Study::Heating`].
-    Heating,
-    /// See [`Study::TorqueSpeed`].
-    TorqueSpeed,
-    /// See [`Study::Silence`].
-    Silence,
 }
 
 /// The figures and curves that follow from a run.
@@ -154,47 +143,20 @@ impl Default for Measured {
 
 impl StudyKind {
     /// All of them.
-    pub const ALL: [Self; 8] = [
-        Self::Sequence,
-        Self::Step,
-        Self::Frequency,
-        Self::Friction,
-        Self::CoastDown,
-        Self::Heating,
-        Self::TorqueSpeed,
-        Self::Silence,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// Its name in a file.
     #[must_use]
-    pub const fn field(self) -> &'static str {
-        match self {
-            Self::Sequence => "sequence",
-            Self::Step => "step_response",
-            Self::Frequency => "frequency_response",
-            Self::Friction => "friction",
-            Self::CoastDown => "coast_down",
-            Self::Heating => "heating",
-            Self::TorqueSpeed => "torque_speed",
-            Self::Silence => "when_frames_cease",
-        }
+    pub fn field(self) -> &'static str {
+        self.into()
     }
 }
 
 impl Study {
     /// Which study it is.
     #[must_use]
-    pub const fn kind(&self) -> StudyKind {
-        match self {
-            Self::Sequence(_) => StudyKind::Sequence,
-            Self::Step(_) => StudyKind::Step,
-            Self::Frequency(_) => StudyKind::Frequency,
-            Self::Friction(_) => StudyKind::Friction,
-            Self::CoastDown(_) => StudyKind::CoastDown,
-            Self::Heating(_) => StudyKind::Heating,
-            Self::TorqueSpeed(_) => StudyKind::TorqueSpeed,
-            Self::Silence(_) => StudyKind::Silence,
-        }
+    pub fn kind(&self) -> StudyKind {
+        self.into()
     }
 
     /// A study of one motor with its default parameters; for [`StudyKind::Sequence`] an empty sequence.

@@ -7,9 +7,10 @@ use motorlink_protocol::{Instant, Mode};
 use motorlink_simulator::{VirtualMotor, World};
 
 use super::{
-    rule::{DriverRule, Outcome, STANDS_WITHIN, broken},
+    rule::{DriverRule, Outcome, STANDS_WITHIN},
     rules::{Disk, LineState, Rules, is_driven, is_moved, is_named, must_be_named},
 };
+use crate::rule::broken;
 
 /// A motor that was silent during its stop is asked at least so often.
 const LOOKED_FOR_WITHIN: Duration = Duration::from_secs(1);

@@ -1,14 +1,16 @@
-//! What must hold for a driver on a computer that fails: the rules by name, and a violation of one.
+//! What must hold for a driver on a computer that fails: the rules by name.
 
-use std::{fmt, time::Duration};
+use std::time::Duration;
 
-use motorlink_protocol::Instant;
+use strum::VariantArray;
+
+use crate::rule::Violation;
 
 /// On a good port a wheel stands within this, from any speed.
 pub(super) const STANDS_WITHIN: Duration = Duration::from_millis(1_500);
 
 /// A rule's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, VariantArray)]
 pub enum DriverRule {
     /// A motor is driven only if the program of this process has asked for it on this port.
     DrivenByProgramOnly,
@@ -40,46 +42,7 @@ pub enum DriverRule {
     StatusIsAnswered,
 }
 
-impl DriverRule {
-    /// All of them.
-    pub const ALL: [Self; 14] = [
-        Self::DrivenByProgramOnly,
-        Self::IsRemembered,
-        Self::StopsInTime,
-        Self::LeftIsStopped,
-        Self::SilentProgramIsStopped,
-        Self::FailureStops,
-        Self::EndingIsTrue,
-        Self::EndsAtRest,
-        Self::EndsInTime,
-        Self::OpensInTime,
-        Self::FindsModel,
-        Self::LossIsTold,
-        Self::ComesBack,
-        Self::StatusIsAnswered,
-    ];
-}
-
 /// A broken rule.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DriverViolation {
-    /// The rule.
-    pub rule: DriverRule,
-    /// When, in virtual time.
-    pub at: Instant,
-    /// What happened.
-    pub what: String,
-}
-
-impl fmt::Display for DriverViolation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} at {:?}: {}", self.rule, self.at, self.what)
-    }
-}
+pub type DriverViolation = Violation<DriverRule>;
 
 pub(super) type Outcome = Result<(), DriverViolation>;
-
-pub(super) fn broken(rule: DriverRule, at: Instant, what: impl Into<String>) -> Outcome {
-    let what = what.into();
-    Err(DriverViolation { rule, at, what })
-}

@@ -12,7 +12,8 @@ use motorlink_messages::LeftBehind;
 use motorlink_protocol::{Instant, Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
-use super::rule::{DriverRule, Outcome, STANDS_WITHIN, broken};
+use super::rule::{DriverRule, Outcome, STANDS_WITHIN};
+use crate::rule::broken;
 
 /// A program that answers nothing for a second counts as silent.
 const SILENT_AFTER: Duration = Duration::from_millis(1_100);

@@ -73,6 +73,7 @@ fn outcome(motor: RawJsonValue<'_, '_>) -> Option<StopOutcome> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use strum::VariantArray;
 
     #[test]
     fn what_was_written_is_read() {
@@ -82,7 +83,7 @@ mod tests {
             speed: speed.map(Rpm::new),
         };
         let at = Instant::from_millis(7);
-        for kind in EventKind::ALL {
+        for kind in EventKind::VARIANTS.iter().copied() {
             let mut event = Event::new(kind, "a \"text\"\n°");
             assert_eq!(read(json(at, &event).as_bytes()), Some((at, event.clone())));
             event.motors = vec![outcome(1, true, Some(0)), outcome(254, false, None)];

@@ -9,6 +9,7 @@ mod reading;
 mod writing;
 
 pub(super) use reading::{find, limits, steps};
+use strum::{IntoStaticStr, VariantArray};
 pub(super) use writing::rows;
 
 /// What a row is.
@@ -21,7 +22,8 @@ pub(super) enum Kind {
 }
 
 /// A column of the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(super) enum Column {
     /// `all`, the number of a motor, or `group` and a name.
     Motors,
@@ -42,43 +44,14 @@ pub(super) enum Column {
 }
 
 impl Column {
-    pub(super) const ALL: [Self; 13] = [
-        Self::Motors,
-        Self::Quantity,
-        Self::Shape,
-        Self::Value,
-        Self::Amplitude,
-        Self::Hz,
-        Self::ToHz,
-        Self::Acceleration,
-        Self::Until,
-        Self::Bound,
-        Self::Tolerance,
-        Self::Seconds,
-        Self::Passes,
-    ];
-
     /// Its key in the elements of the table.
     pub(super) const fn key(self) -> &'static str {
-        match self {
-            Self::Motors => "motors",
-            Self::Quantity => "quantity",
-            Self::Shape => "shape",
-            Self::Value => "value",
-            Self::Amplitude => "amplitude",
-            Self::Hz => "hz",
-            Self::ToHz => "to_hz",
-            Self::Acceleration => "acceleration",
-            Self::Until => "until",
-            Self::Bound => "bound",
-            Self::Tolerance => "tolerance",
-            Self::Seconds => "seconds",
-            Self::Passes => "passes",
-        }
+        self.into_str()
     }
 
     pub(super) fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|column| column.key() == key)
+        let mut all = Self::VARIANTS.iter().copied();
+        all.find(|column| column.key() == key)
     }
 
     /// Whether its cells are lists: their change shows other cells.
@@ -112,7 +85,7 @@ impl Column {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Row {
     pub(super) kind: Kind,
-    cells: [String; Column::ALL.len()],
+    cells: [String; Column::VARIANTS.len()],
 }
 
 /// The ends of a step in the list of a row: by time, and by each condition.

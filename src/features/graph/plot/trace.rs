@@ -2,6 +2,7 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Setpoint, family::Model};
+use strum::IntoStaticStr;
 
 use crate::{
     model::{history::Point, mirror::Mirror},
@@ -9,7 +10,8 @@ use crate::{
 };
 
 /// A trace of the graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(crate) enum Trace {
     Speed,
     Current,
@@ -81,13 +83,7 @@ impl Trace {
 
     /// The class with its colour.
     pub(crate) const fn class(self) -> &'static str {
-        match self {
-            Self::Speed => "speed",
-            Self::Current => "current",
-            Self::Goal => "goal",
-            Self::Temperature => "temperature",
-            Self::Position => "position",
-        }
+        self.into_str()
     }
 
     /// Empty for the goal, which has the unit of its quantity. A current whose scale is not certain is drawn at 8 A full
