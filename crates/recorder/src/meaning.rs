@@ -12,7 +12,7 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    digits::{push_0x, push_decimal, push_hex},
+    digits::{push_0x, push_hex},
     entry::{Entry, EntryContent},
     texts::Texts,
     wall_clock::WallClock,
@@ -20,15 +20,24 @@ use crate::{
 
 /// Adds the meaning of an entry in the current language.
 pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
-    // A million entries are searched while the user waits, mostly in English: this path allocates no
-    // string per part.
-    if current_language() == Language::English {
-        return push_english(out, entry, texts);
-    }
-    match &entry.content {
-        EntryContent::Message { text, .. } => out.push_str(&translate(texts.get(*text))),
-        EntryContent::Line(passed) => out.push_str(&translated(entry.model, passed)),
-    }
+    // A million entries are searched while the user waits, mostly combined frames in English: for them, this allocates
+    // no string per part.
+    let is_plain = current_language() == Language::English && !entry.model.has_separate_frames();
+    // Writing to a string does not fail.
+    let _ = match &entry.content {
+        EntryContent::Line(
+            LineEventKind::Sent { frame, mode }
+            | LineEventKind::SentByHand { frame, mode }
+            | LineEventKind::RepeatedByHand { frame, mode },
+        ) if is_plain => {
+            write!(out, "{}", explain_sent(frame, *mode))
+        }
+        EntryContent::Line(LineEventKind::Received { frame, asked }) if is_plain => {
+            write!(out, "{}", explain_received(frame, *asked))
+        }
+        EntryContent::Message { text, .. } => out.write_str(&translate(texts.get(*text))),
+        EntryContent::Line(passed) => out.write_str(&translated(entry.model, passed)),
+    };
 }
 
 fn translated(model: Model, passed: &LineEventKind) -> String {
@@ -76,68 +85,12 @@ fn to_tenths(micros: u32) -> (u64, u64) {
     (tenths / 10, tenths % 10)
 }
 
-/// Adds the meaning of an entry in English, as in files.
+/// The same in English, as in files, whatever language the page is shown in.
 pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
-    // Writing to a string does not fail.
-    let _ = match &entry.content {
-        EntryContent::Message { text, .. } => {
-            out.write_str(&in_english(|| translate(texts.get(*text))))
-        }
-        // Their explanations are texts; combined frames have one that allocates nothing.
-        EntryContent::Line(line) if entry.model.has_separate_frames() => {
-            out.write_str(&in_english(|| translated(entry.model, line)))
-        }
-        EntryContent::Line(
-            LineEventKind::Sent { frame, mode }
-            | LineEventKind::SentByHand { frame, mode }
-            | LineEventKind::RepeatedByHand { frame, mode },
-        ) => {
-            write!(out, "{}", explain_sent(frame, *mode))
-        }
-        EntryContent::Line(LineEventKind::Received { frame, asked }) => {
-            write!(out, "{}", explain_received(frame, *asked))
-        }
-        // No entries.
-        EntryContent::Line(LineEventKind::Known { .. } | LineEventKind::ModelSelected(_)) => Ok(()),
-        EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),
-        EntryContent::Line(LineEventKind::Silence { waited_us, .. }) => {
-            out.push_str("no reply within ");
-            let (millis, tenth) = to_tenths(*waited_us);
-            push_decimal(out, millis);
-            out.push('.');
-            push_decimal(out, tenth);
-            out.write_str(" ms")
-        }
-        EntryContent::Line(LineEventKind::NotSent { .. }) => {
-            out.write_str("not sent: adapter still busy with the previous frame")
-        }
-    };
-}
-
-/// A text as in files, whatever language the page is shown in.
-fn in_english(text: impl FnOnce() -> String) -> String {
     let shown_in = current_language();
     set_language(Language::English);
-    let text = text();
+    push_meaning(out, entry, texts);
     set_language(shown_in);
-    text
-}
-
-fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
-    let bytes = junk.bytes();
-    if let Some(frame) = frame_of(junk) {
-        if Request::set_id_of(&frame).is_some() {
-            return write!(out, "{}, by another program", explain_sent(&frame, None));
-        }
-        let explained = explain_received(&frame, None);
-        return write!(out, "{explained}: dropped");
-    }
-    push_decimal(out, u64::try_from(bytes.len()).unwrap_or_default());
-    out.write_str(if bytes.len() == 1 {
-        " byte, no valid frame"
-    } else {
-        " bytes, no valid frame"
-    })
 }
 
 /// Adds the ID of the motor that an entry concerns: `0x01`, or nothing.
