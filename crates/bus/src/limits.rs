@@ -33,14 +33,16 @@ pub struct Limits {
 }
 
 /// A limit outside the table of [`Limits`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("limits go from 1 to 380 rpm, from 0.1 to 8 A and from 30 to 80 °C")]
 pub struct LimitOutOfRange;
 
 /// An exceeded limit, and the value that the motor reported.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ExceededLimit {
     /// Too fast.
+    #[error("{} rpm, above your limit of {limit} rpm", .reached.magnitude())]
     Speed {
         /// Reported value.
         reached: Rpm,
@@ -48,6 +50,7 @@ pub enum ExceededLimit {
         limit: u16,
     },
     /// Too much current for half a second.
+    #[error("{} A, above your limit of {} A", .reached.scaled(), Milliamps(*.limit))]
     Current {
         /// Last reported value.
         reached: Current,
@@ -55,6 +58,7 @@ pub enum ExceededLimit {
         limit: u16,
     },
     /// Too hot.
+    #[error("{} °C, above your limit of {limit} °C", .reached.degrees())]
     Temperature {
         /// Reported value.
         reached: Celsius,
@@ -206,34 +210,6 @@ impl TryFrom<[u16; 3]> for Limits {
 impl From<Limits> for [u16; 3] {
     fn from(limits: Limits) -> Self {
         [limits.speed_rpm, limits.current_ma, limits.temperature_c]
-    }
-}
-
-impl fmt::Display for LimitOutOfRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("limits go from 1 to 380 rpm, from 0.1 to 8 A and from 30 to 80 °C")
-    }
-}
-
-impl std::error::Error for LimitOutOfRange {}
-
-impl fmt::Display for ExceededLimit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            // Without a sign: a mirrored motor has the opposite one.
-            Self::Speed { reached, limit } => {
-                let reached = reached.magnitude();
-                write!(f, "{reached} rpm, above your limit of {limit} rpm")
-            }
-            Self::Current { reached, limit } => {
-                let (reached, limit) = (reached.scaled(), Milliamps(*limit));
-                write!(f, "{reached} A, above your limit of {limit} A")
-            }
-            Self::Temperature { reached, limit } => {
-                let reached = reached.degrees();
-                write!(f, "{reached} °C, above your limit of {limit} °C")
-            }
-        }
     }
 }
 

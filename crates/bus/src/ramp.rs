@@ -1,6 +1,6 @@
 //! The ramp: how fast a commanded speed may grow.
 
-use std::{fmt, time::Duration};
+use std::time::Duration;
 
 use motorlink_protocol::{Instant, Rpm, Setpoint, SpeedTarget};
 
@@ -15,7 +15,8 @@ use motorlink_protocol::{Instant, Rpm, Setpoint, SpeedTarget};
 pub struct Ramp(u16);
 
 /// A ramp outside 1-10,000 rpm per second.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a ramp goes from 1 to 10,000 rpm a second")]
 pub struct RampOutOfRange;
 
 impl Ramp {
@@ -56,14 +57,6 @@ impl From<Ramp> for u16 {
         ramp.0
     }
 }
-
-impl fmt::Display for RampOutOfRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a ramp goes from 1 to 10,000 rpm a second")
-    }
-}
-
-impl std::error::Error for RampOutOfRange {}
 
 /// The longest pause between frames that one step of the ramp covers. A longer pause must not make
 /// a wheel jump.

@@ -1,6 +1,6 @@
 //! The command rate: as set, and as measured.
 
-use std::{fmt, time::Duration};
+use std::time::Duration;
 
 use motorlink_protocol::Instant;
 
@@ -14,7 +14,8 @@ use crate::last_second::LastSecond;
 pub struct CommandRate(u16);
 
 /// A rate outside 1-500 Hz.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the command rate goes from 1 to 500 Hz")]
 pub struct RateOutOfRange;
 
 impl CommandRate {
@@ -67,14 +68,6 @@ impl From<CommandRate> for u16 {
         rate.0
     }
 }
-
-impl fmt::Display for RateOutOfRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the command rate goes from 1 to 500 Hz")
-    }
-}
-
-impl std::error::Error for RateOutOfRange {}
 
 /// Counts events of the last second.
 #[derive(Clone, Debug, Default)]

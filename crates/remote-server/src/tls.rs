@@ -29,30 +29,21 @@ impl fmt::Debug for Tls {
 }
 
 /// Why a certificate cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoTls {
     /// There is no certificate in the text.
+    #[error("not a certificate in PEM form")]
     Certificate,
     /// There is no private key in the text.
+    #[error("not a private key in PEM form that can be used")]
     Key,
     /// The key is not that of the certificate.
+    #[error("the private key does not match the certificate")]
     OtherKey,
     /// A new one could not be made.
+    #[error("no certificate can be made for these names")]
     NotMade,
 }
-
-impl fmt::Display for NoTls {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Certificate => "not a certificate in PEM form",
-            Self::Key => "not a private key in PEM form that can be used",
-            Self::OtherKey => "the private key does not match the certificate",
-            Self::NotMade => "no certificate can be made for these names",
-        })
-    }
-}
-
-impl std::error::Error for NoTls {}
 
 /// A certificate and its key as text, in PEM form.
 #[derive(Clone)]

@@ -1,7 +1,5 @@
 //! The setpoints of a group: motors that are driven as one vehicle.
 
-use std::fmt;
-
 use motorlink_protocol::{MotorId, Setpoint};
 
 /// A setpoint for each motor of a group. The motors start together and stop together.
@@ -19,13 +17,16 @@ use motorlink_protocol::{MotorId, Setpoint};
 pub struct GroupSetpoints([Option<(MotorId, Setpoint)>; GroupSetpoints::MAX]);
 
 /// Why motors cannot form a group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GroupError {
     /// No motor.
+    #[error("no motor is chosen")]
     Empty,
     /// More than [`GroupSetpoints::MAX`] motors.
+    #[error("at most {} motors are driven together", GroupSetpoints::MAX)]
     TooMany,
     /// This motor appears twice.
+    #[error("motor {0} is named twice")]
     Duplicate(MotorId),
 }
 
@@ -93,19 +94,3 @@ impl From<GroupSetpoints> for Vec<(MotorId, Setpoint)> {
         together.entries().collect()
     }
 }
-
-impl fmt::Display for GroupError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => f.write_str("no motor is chosen"),
-            Self::TooMany => write!(
-                f,
-                "at most {} motors are driven together",
-                GroupSetpoints::MAX
-            ),
-            Self::Duplicate(id) => write!(f, "motor {id} is named twice"),
-        }
-    }
-}
-
-impl std::error::Error for GroupError {}

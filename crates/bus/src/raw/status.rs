@@ -49,16 +49,9 @@ impl RawInterval {
 }
 
 /// An interval outside 2-60,000 ms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("frames can be 2 to 60,000 ms apart")]
 pub struct IntervalOutOfRange;
-
-impl std::fmt::Display for IntervalOutOfRange {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("frames can be 2 to 60,000 ms apart")
-    }
-}
-
-impl std::error::Error for IntervalOutOfRange {}
 
 impl TryFrom<u16> for RawInterval {
     type Error = IntervalOutOfRange;

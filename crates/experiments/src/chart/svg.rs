@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use motorlink_markup::Element;
 
-use super::{AxisName, Chart, Line, Look, Names};
+use super::{Chart, Line, Look, Names};
 
 /// Width and height, in its own units.
 const SIZE: (f64, f64) = (720.0, 340.0);
@@ -168,12 +168,6 @@ impl Chart {
         let [_, top, _, bottom] = MARGIN;
         SIZE.1 - bottom - self.y.place(value) * (SIZE.1 - top - bottom)
     }
-
-    /// Whether it is part of a Bode plot.
-    #[must_use]
-    pub fn is_bode(&self) -> bool {
-        self.x.name == AxisName::Frequency
-    }
 }
 
 fn colour(line: &Line) -> String {
@@ -206,7 +200,7 @@ fn fewer(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::AxisName, *};
 
     #[test]
     fn names_are_escaped_and_every_point_is_inside() {

@@ -30,19 +30,12 @@ const UNIX_MS_MAX: f64 = 253_402_300_799_000.0;
 const HZ_MAX: f64 = 1_000.0;
 
 /// Why a file is not a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a run of this version: {}", .place)]
 pub struct JsonError {
     /// The field that does not fit.
     pub place: &'static str,
 }
-
-impl fmt::Display for JsonError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not a run of this version: {}", self.place)
-    }
-}
-
-impl std::error::Error for JsonError {}
 
 type Result<T> = std::result::Result<T, JsonError>;
 

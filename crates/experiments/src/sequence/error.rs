@@ -14,9 +14,10 @@ pub struct SequenceError {
 }
 
 /// What is wrong at a place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The text is not JSON from this line and column on.
+    #[error("not JSON at line {line}, column {column}")]
     NotJson {
         /// From 1.
         line: usize,
@@ -24,26 +25,39 @@ pub enum Problem {
         column: usize,
     },
     /// More bytes than a sequence can have.
+    #[error("the file is too large for a sequence")]
     TooLarge,
     /// Written by a newer program.
+    #[error("written by a newer version; update this page to read it")]
     NewerVersion,
     /// An unknown version, or none.
+    #[error("not a sequence: \"motorlink_sequence\" must be 1")]
     NoVersion,
     /// The bytes of the file are no text.
+    #[error("not text in UTF-8; save the file as CSV UTF-8")]
     NotText,
     /// A number with a mark for thousands, or one whose mark may be one.
+    #[error(
+        "this may be a number with a mark for thousands; write it without marks, or with one decimal mark in all rows"
+    )]
     ThousandsMark,
     /// Another type was expected, which is named here.
+    #[error("expected {0}")]
     Expected(&'static str),
     /// No field of this name belongs here.
+    #[error("unknown field; check its spelling")]
     UnknownField,
     /// The field occurs twice.
+    #[error("appears twice; keep one")]
     Twice,
     /// The field is missing.
+    #[error("is missing")]
     Missing,
     /// The field cannot be combined with another one, which is named here.
+    #[error("cannot be used with {0}")]
     NotWith(&'static str),
     /// Too large.
+    #[error("{value} is above {max}")]
     Above {
         /// What is there.
         value: f64,
@@ -51,6 +65,7 @@ pub enum Problem {
         max: f64,
     },
     /// Too small.
+    #[error("{value} is below {min}")]
     Below {
         /// What is there.
         value: f64,
@@ -58,19 +73,25 @@ pub enum Problem {
         min: f64,
     },
     /// A time in a CSV file that is before the previous one.
+    #[error("times must rise from row to row")]
     TimeFalls,
     /// No such motor.
+    #[error("no motor {} here; scan for it, or use another", .0.get())]
     UnknownMotor(MotorId),
     /// No such group.
+    #[error("no group of this name; use \"motor\" or a group")]
     UnknownGroup,
     /// No motors to run with.
+    #[error("no motor to run with; connect one")]
     NoMotors,
     /// More motors than the bus drives as one group.
+    #[error("a run drives at most {max} motors")]
     TooManyMotors {
         /// The maximum.
         max: usize,
     },
     /// The motor is driven in another loop before.
+    #[error("motor {} is driven in the {before} before; one run keeps each motor in one loop", .id.get())]
     OtherLoop {
         /// Which motor.
         id: MotorId,
@@ -78,22 +99,28 @@ pub enum Problem {
         before: Mode,
     },
     /// A repeat without a number of passes.
+    #[error("a loop without end; give the number of passes, 1 or more")]
     EndlessLoop,
     /// A repeat whose steps take no time.
+    #[error("a loop whose steps take no time")]
     TimelessLoop,
     /// Repeats in repeats in repeats.
+    #[error("repeats are nested deeper than {max}")]
     TooDeep {
         /// The maximum.
         max: usize,
     },
     /// Too many steps.
+    #[error("more than {max} steps")]
     TooManySteps {
         /// The maximum.
         max: usize,
     },
     /// No step at all.
+    #[error("no steps; add one")]
     NoSteps,
     /// The run could take longer than allowed.
+    #[error("the run could take longer than {hours_max} hours")]
     RunTooLong {
         /// How long it may take.
         hours_max: u64,
@@ -121,51 +148,3 @@ impl fmt::Display for SequenceError {
 }
 
 impl std::error::Error for SequenceError {}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotJson { line, column } => {
-                write!(f, "not JSON at line {line}, column {column}")
-            }
-            Self::TooLarge => f.write_str("the file is too large for a sequence"),
-            Self::NewerVersion => {
-                f.write_str("written by a newer version; update this page to read it")
-            }
-            Self::NoVersion => f.write_str("not a sequence: \"motorlink_sequence\" must be 1"),
-            Self::NotText => f.write_str("not text in UTF-8; save the file as CSV UTF-8"),
-            Self::ThousandsMark => f.write_str(
-                "this may be a number with a mark for thousands; write it without marks, or with one decimal mark in all rows",
-            ),
-            Self::Expected(what) => write!(f, "expected {what}"),
-            Self::UnknownField => f.write_str("unknown field; check its spelling"),
-            Self::Twice => f.write_str("appears twice; keep one"),
-            Self::Missing => f.write_str("is missing"),
-            Self::NotWith(other) => write!(f, "cannot be used with {other}"),
-            Self::Above { value, max } => write!(f, "{value} is above {max}"),
-            Self::Below { value, min } => write!(f, "{value} is below {min}"),
-            Self::TimeFalls => f.write_str("times must rise from row to row"),
-            Self::UnknownMotor(id) => {
-                write!(f, "no motor {} here; scan for it, or use another", id.get())
-            }
-            Self::UnknownGroup => f.write_str("no group of this name; use \"motor\" or a group"),
-            Self::NoMotors => f.write_str("no motor to run with; connect one"),
-            Self::TooManyMotors { max } => write!(f, "a run drives at most {max} motors"),
-            Self::OtherLoop { id, before } => write!(
-                f,
-                "motor {} is driven in the {before} before; one run keeps each motor in one loop",
-                id.get()
-            ),
-            Self::EndlessLoop => {
-                f.write_str("a loop without end; give the number of passes, 1 or more")
-            }
-            Self::TimelessLoop => f.write_str("a loop whose steps take no time"),
-            Self::TooDeep { max } => write!(f, "repeats are nested deeper than {max}"),
-            Self::TooManySteps { max } => write!(f, "more than {max} steps"),
-            Self::NoSteps => f.write_str("no steps; add one"),
-            Self::RunTooLong { hours_max } => {
-                write!(f, "the run could take longer than {hours_max} hours")
-            }
-        }
-    }
-}

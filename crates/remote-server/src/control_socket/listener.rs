@@ -1,7 +1,7 @@
 //! The file of the socket, and who is let in.
 
 use std::{
-    fmt, fs, io,
+    fs, io,
     os::unix::{
         fs::{FileTypeExt as _, MetadataExt as _, PermissionsExt as _},
         net,
@@ -31,29 +31,18 @@ const END_MAX: Duration = Duration::from_millis(200);
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Why there is no socket.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum NoSocket {
     /// Another program listens there.
+    #[error("another program listens there; choose another path")]
     InUse,
     /// There is another file.
+    #[error("a file that is no socket; remove it or choose another path")]
     OtherFile,
     /// The system refuses it.
+    #[error("{0}")]
     Io(io::Error),
 }
-
-impl fmt::Display for NoSocket {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InUse => f.write_str("another program listens there; choose another path"),
-            Self::OtherFile => {
-                f.write_str("a file that is no socket; remove it or choose another path")
-            }
-            Self::Io(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for NoSocket {}
 
 /// A socket before its start.
 #[derive(Debug)]

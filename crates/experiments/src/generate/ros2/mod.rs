@@ -4,7 +4,7 @@
 
 mod names;
 
-use std::{f64::consts::TAU, fmt};
+use std::f64::consts::TAU;
 
 use crate::vehicle::{Geometry, Place, Vehicle, Wheel};
 
@@ -35,16 +35,9 @@ pub struct Robot<'a> {
 pub type RobotFiles = [(&'static str, String); 3];
 
 /// `diff_drive_controller` wants as many wheels on the left as on the right.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("ROS 2 needs as many wheels on the left as on the right.")]
 pub struct UnevenSides;
-
-impl fmt::Display for UnevenSides {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("ROS 2 needs as many wheels on the left as on the right.")
-    }
-}
-
-impl core::error::Error for UnevenSides {}
 
 /// The files of this robot.
 ///
