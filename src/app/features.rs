@@ -1,7 +1,6 @@
 //! Every feature of the page, and what one of them has to do when another acts.
 
-use std::ops::Deref;
-
+use derive_more::Deref;
 use leptos::prelude::*;
 
 use crate::{
@@ -26,16 +25,8 @@ use crate::{
 };
 
 /// A pointer, as the page is one.
-#[derive(Clone, Copy)]
-pub(crate) struct Features(&'static Parts);
-
-impl Deref for Features {
-    type Target = Parts;
-
-    fn deref(&self) -> &Parts {
-        self.0
-    }
-}
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct Features(#[deref(forward)] &'static Parts);
 
 /// The features that have a state of their own.
 pub(crate) struct Parts {

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
+use strum::VariantArray;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, KeyboardEvent};
 
@@ -18,13 +19,7 @@ use crate::{
 };
 
 /// In the order of the rail, and of the keys Alt+1 to Alt+5.
-const PLACES: [Place; 5] = [
-    Place::Drive,
-    Place::Record,
-    Place::Test,
-    Place::Setup,
-    Place::Diagnose,
-];
+const PLACES: &[Place] = Place::VARIANTS;
 
 /// The attribute of the root element with the open place, which the style sheet reads.
 const ATTRIBUTE: &str = "data-place";
@@ -34,16 +29,6 @@ const REPLAY: &str = "replay";
 
 /// The buttons that open a place, by its number.
 const OPENS: &str = ".rail-button, .link button";
-
-const fn key(place: Place) -> &'static str {
-    match place {
-        Place::Drive => "drive",
-        Place::Record => "record",
-        Place::Test => "test",
-        Place::Setup => "setup",
-        Place::Diagnose => "diagnose",
-    }
-}
 
 fn name(place: Place) -> &'static str {
     match place {
@@ -90,10 +75,12 @@ pub(crate) fn Rail() -> impl IntoView {
         let replays = page.shown.with(Session::is_recording);
         let shown = match open {
             Place::Record if replays => REPLAY,
-            place => key(place),
+            place => place.into_str(),
         };
-        let working = PLACES.into_iter().filter(|place| is_working(page, *place));
-        let words = [shown, key(open)].into_iter().chain(working.map(key));
+        let working = PLACES.iter().filter(|place| is_working(page, **place));
+        let words = [shown, open.into_str()]
+            .into_iter()
+            .chain(working.map(Place::into_str));
         words.collect::<Vec<_>>().join(" ")
     });
     effect(move || show(&state.get()));
@@ -142,7 +129,7 @@ fn show(state: &str) {
     }
     let rail = document().query_selector("nav.rail").ok().flatten();
     let mut button = rail.and_then(|rail| rail.first_element_child());
-    for place in PLACES.map(key) {
+    for place in PLACES.iter().map(Place::into_str) {
         let Some(element) = button else { return };
         let current = if open == Some(place) { "page" } else { "false" };
         let _ = element.set_attribute("aria-current", current);
@@ -169,5 +156,5 @@ fn buttons() -> String {
             r#"<button type="button" class="rail-button" value="{number}" title="{title}"><svg viewBox="0 0 24 24" width="22" height="22" aria-hidden="true"><path d="{path}" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linecap="round" stroke-linejoin="round"/></svg><span>{name}</span></button>"#
         )
     };
-    (1_u8..).zip(PLACES).map(button).collect()
+    (1_u8..).zip(PLACES.iter().copied()).map(button).collect()
 }

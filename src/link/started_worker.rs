@@ -2,6 +2,7 @@
 
 use js_sys::{Array, Uint8Array};
 use leptos::logging;
+use strum::IntoStaticStr;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{ErrorEvent, Event, MessageEvent, MessagePort, Worker, WorkerOptions, WorkerType};
 
@@ -17,7 +18,8 @@ pub(crate) enum NoWorker {
 }
 
 /// The program of a worker. A `meta` element has its address, which the build writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(crate) enum Program {
     /// Owns the port.
     Worker,
@@ -28,16 +30,8 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Worker => "worker",
-            Self::Recorder => "recorder",
-            Self::Sessions => "sessions",
-        }
-    }
-
     fn address(self) -> Option<String> {
-        files::address(&format!("motorlink-{}", self.name()))
+        files::address(&format!("motorlink-{}", self.into_str()))
     }
 }
 
@@ -61,7 +55,7 @@ impl StartedWorker {
         let url = program.address().ok_or(NoWorker::NotNamed)?;
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
-        options.set_name(program.name());
+        options.set_name(program.into_str());
         let worker = Worker::new_with_options(&url, &options).map_err(|_| NoWorker::NotStarted)?;
 
         let receiver = worker.clone();

@@ -1,6 +1,7 @@
 //! How warm a winding is.
 
 use motorlink_messages::protocol::Celsius;
+use strum::IntoStaticStr;
 
 /// Above this the winding counts as warm.
 pub(crate) const WARM_FROM: u8 = 70;
@@ -8,7 +9,8 @@ pub(crate) const WARM_FROM: u8 = 70;
 pub(crate) const HOT_FROM: u8 = 80;
 
 /// How warm the winding is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(crate) enum Band {
     Normal,
     Warm,
@@ -21,15 +23,6 @@ impl Band {
             0..WARM_FROM => Self::Normal,
             WARM_FROM..HOT_FROM => Self::Warm,
             HOT_FROM.. => Self::Hot,
-        }
-    }
-
-    /// Its class.
-    pub(crate) const fn key(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Warm => "warm",
-            Self::Hot => "hot",
         }
     }
 }

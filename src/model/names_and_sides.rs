@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use motorlink_i18n::tr;
 use motorlink_messages::{experiments::analysis::WhenSilent, protocol::MotorId};
+use strum::IntoStaticStr;
 
 use crate::model::{
     local_storage::{remember, remembered},
@@ -14,7 +15,8 @@ use crate::model::{
 pub(crate) const NAME_MAX: usize = 16;
 
 /// On which side of a vehicle a motor sits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(crate) enum Side {
     /// Not set.
     #[default]
@@ -30,11 +32,7 @@ impl Side {
 
     /// The stored value.
     pub(crate) const fn key(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Left => "left",
-            Self::Right => "right",
-        }
+        self.into_str()
     }
 
     pub(crate) fn words(self) -> &'static str {

@@ -9,8 +9,7 @@
 //! | `recorder` | the recorder as the page sees it |
 //! | `setup_actions` | reads and applies the setup |
 
-use std::ops::Deref;
-
+use derive_more::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::{Language, current_language};
 use motorlink_messages::{
@@ -174,16 +173,8 @@ pub(crate) struct Loops {
 type OnChange = Box<dyn Fn(Change<'_>)>;
 
 /// A pointer, so that the hundreds of closures that hold it stay small. There is one, for the life of the page.
-#[derive(Clone, Copy)]
-pub(crate) struct Page(&'static Parts);
-
-impl Deref for Page {
-    type Target = Parts;
-
-    fn deref(&self) -> &Parts {
-        self.0
-    }
-}
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct Page(#[deref(forward)] &'static Parts);
 
 /// The parts of the state.
 pub(crate) struct Parts {

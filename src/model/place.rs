@@ -1,7 +1,10 @@
 //! The places of the page.
 
+use strum::{IntoStaticStr, VariantArray};
+
 /// A place: what one does there. All have the graph and the packet log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "snake_case", const_into_str)]
 pub(crate) enum Place {
     /// Drives a motor or a group.
     Drive,

@@ -6,9 +6,11 @@ use motorlink_messages::{
     bus::{CommandRate, Limits},
     protocol::{MotorId, family::Model},
 };
+use strum::IntoStaticStr;
 
 /// The colours of the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Theme {
     /// As in the system.
     #[default]
@@ -24,13 +26,8 @@ pub enum Theme {
 impl Theme {
     /// The value of `data-theme`, which is also stored.
     #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::System => "system",
-            Self::Light => "light",
-            Self::Dark => "dark",
-            Self::Contrast => "contrast",
-        }
+    pub fn key(self) -> &'static str {
+        self.into()
     }
 
     /// The next theme of the theme button. From the system's theme, the first press changes what is seen.

@@ -14,8 +14,7 @@ use crate::{
         target::Target,
     },
 };
-use std::ops::Deref;
-
+use derive_more::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -104,21 +103,13 @@ impl Targets {
 }
 
 /// The tabs that drive the selected motor, one for each loop.
-#[derive(Clone, Copy)]
-pub(crate) struct Drive(&'static Parts);
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct Drive(#[deref(forward)] &'static Parts);
 
 /// The state of the tabs.
 pub(crate) struct Parts {
     pub(crate) page: Page,
     pub(crate) targets: Targets,
-}
-
-impl Deref for Drive {
-    type Target = Parts;
-
-    fn deref(&self) -> &Parts {
-        self.0
-    }
 }
 
 impl Drive {

@@ -1,7 +1,8 @@
 //! What the panel knows: what is asked, what is armed, and the present run.
 
-use std::{ops::Deref, rc::Rc};
+use std::rc::Rc;
 
+use derive_more::Deref;
 use leptos::prelude::*;
 use motorlink_messages::{
     bus::CarriedRate,
@@ -149,16 +150,8 @@ pub(super) struct Armed {
 }
 
 /// The panel: a pointer to its state, which stays through a change of language and while the panel is closed.
-#[derive(Clone, Copy)]
-pub(crate) struct Experiments(&'static State);
-
-impl Deref for Experiments {
-    type Target = State;
-
-    fn deref(&self) -> &State {
-        self.0
-    }
-}
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct Experiments(#[deref(forward)] &'static State);
 
 /// The state of the panel.
 pub(crate) struct State {

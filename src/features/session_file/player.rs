@@ -4,7 +4,6 @@ mod controls;
 mod gate;
 
 use std::{
-    ops::Deref,
     rc::Rc,
     sync::{
         Mutex,
@@ -12,6 +11,7 @@ use std::{
     },
 };
 
+use derive_more::Deref;
 use leptos::prelude::{Update as _, *};
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -65,16 +65,8 @@ pub(crate) type Instruments = Box<dyn Fn(Show<'_>)>;
 /// The replay of the open session.
 ///
 /// A plain pointer: typed stored values would enlarge the first program.
-#[derive(Clone, Copy)]
-pub(crate) struct Player(&'static Parts);
-
-impl Deref for Player {
-    type Target = Parts;
-
-    fn deref(&self) -> &Parts {
-        self.0
-    }
-}
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct Player(#[deref(forward)] &'static Parts);
 
 /// Its state.
 pub(crate) struct Parts {

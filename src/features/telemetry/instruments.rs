@@ -216,7 +216,7 @@ impl Gauge {
     }
 
     fn draw(&mut self, temperature: Option<Celsius>) {
-        let band = temperature.map_or("unknown", |temperature| Band::of(temperature).key());
+        let band = temperature.map_or("unknown", |temperature| Band::of(temperature).into_str());
         self.band.set(band.to_owned());
         self.fill.set(gauge::fill(temperature));
     }

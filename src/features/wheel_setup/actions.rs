@@ -1,7 +1,8 @@
 //! The actions of the setup, on the page and on the bus.
 
-use std::{ops::Deref, time::Duration};
+use std::time::Duration;
 
+use derive_more::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -44,8 +45,8 @@ pub(crate) struct IdManagerActions {
 }
 
 /// The panel `Set up the wheels of a rover`. It exists as long as the page.
-#[derive(Clone, Copy)]
-pub(crate) struct WheelSetup(&'static Parts);
+#[derive(Clone, Copy, Deref)]
+pub(crate) struct WheelSetup(#[deref(forward)] &'static Parts);
 
 /// The state of the panel, and what it uses.
 pub(crate) struct Parts {
@@ -57,14 +58,6 @@ pub(crate) struct Parts {
     /// The number of spins, so that the timer of an earlier spin does not end a later one.
     spins: StoredValue<u32>,
     spun_at_ms: StoredValue<f64>,
-}
-
-impl Deref for WheelSetup {
-    type Target = Parts;
-
-    fn deref(&self) -> &Parts {
-        self.0
-    }
 }
 
 impl WheelSetup {
