@@ -6,10 +6,10 @@ use crate::{
     frame::Frame,
     measured::{Current, Position, Rpm},
     mode::Mode,
-    open_loop::OpenLoopTarget,
     reply::{Detail, Layout, Reply, ReplyError},
     request::{Request, RequestError},
     setpoint::Drive,
+    target::OpenLoopTarget,
 };
 
 /// A frame in words: the request, the reply, or why it is neither.

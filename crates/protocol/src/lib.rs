@@ -24,7 +24,6 @@ mod measured;
 mod mode;
 mod model;
 mod motor_id;
-mod open_loop;
 mod reply;
 mod request;
 mod setpoint;
@@ -39,8 +38,9 @@ pub use frame::{FRAME_AIRTIME, FRAME_LEN, Frame, FrameParseError};
 pub use measured::{Celsius, CoarsePosition, Current, Position, Rpm, Scaled};
 pub use mode::{Mode, UnknownMode};
 pub use motor_id::{AssignableId, MotorId, MotorIdError, NotAssignable};
-pub use open_loop::OpenLoopTarget;
 pub use reply::{Detail, Layout, Reply, ReplyError};
 pub use request::{Request, RequestError};
 pub use setpoint::{Drive, Setpoint};
-pub use target::{Acceleration, CurrentTarget, OutOfRange, PositionTarget, SpeedTarget};
+pub use target::{
+    Acceleration, CurrentTarget, OpenLoopTarget, OutOfRange, PositionTarget, SpeedTarget,
+};

@@ -6,8 +6,7 @@ use crate::{
     family::Speed,
     mode::Mode,
     model::Model,
-    open_loop::OpenLoopTarget,
-    target::{Acceleration, CurrentTarget, PositionTarget, SpeedTarget},
+    target::{Acceleration, CurrentTarget, OpenLoopTarget, PositionTarget, SpeedTarget},
 };
 
 /// Milliamps of a [`CurrentTarget`] at full scale.
@@ -70,10 +69,7 @@ impl Setpoint {
                 speed: SpeedTarget::clamped(-i32::from(speed.rpm())),
                 acceleration,
             },
-            // The range is symmetric, so the result is in range.
-            Self::Current(target) => {
-                Self::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
-            }
+            Self::Current(target) => Self::Current(target.reversed()),
             Self::OpenLoop(target) => Self::OpenLoop(target.reversed()),
             Self::Brake | Self::Position(_) => self,
         }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::measured::{Current, Position, Rpm, nearest_i16};
+use crate::measured::{Current, Position, Rpm, nearest_i16, sign};
 
 /// A value outside its range. The text names the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,51 +100,84 @@ impl SpeedTarget {
     }
 }
 
-/// A commanded torque current, raw -32767 to 32767 = -8 A to 8 A.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
-pub struct CurrentTarget(i16);
+// A commanded value that has the same range in both directions, as a raw number.
+macro_rules! raw_target {
+    ($(#[$doc:meta])* $name:ident, $quantity:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
+        pub struct $name(i16);
+
+        impl $name {
+            /// Least raw target.
+            pub const MIN: i32 = -32767;
+            /// Greatest raw target.
+            pub const MAX: i32 = 32767;
+            /// No current, or no voltage.
+            pub const ZERO: Self = Self(0);
+
+            /// A raw target.
+            ///
+            /// # Errors
+            /// Outside -32767..=32767.
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "the value was checked to be inside i16"
+            )]
+            pub const fn new(raw: i32) -> Result<Self, OutOfRange> {
+                match checked(raw, Self::MIN, Self::MAX, $quantity) {
+                    Ok(raw) => Ok(Self(raw as i16)),
+                    Err(error) => Err(error),
+                }
+            }
+
+            /// The raw number.
+            #[must_use]
+            pub const fn raw(self) -> i16 {
+                self.0
+            }
+
+            /// The same value in the other direction.
+            #[must_use]
+            pub const fn reversed(self) -> Self {
+                Self(-self.0)
+            }
+        }
+    };
+}
+
+raw_target! {
+    /// A commanded torque current, raw -32767 to 32767 = -8 A to 8 A.
+    CurrentTarget, "raw current"
+}
+
+raw_target! {
+    /// The share of the supply that the open loop puts on the windings, raw -32767 to 32767.
+    ///
+    /// No controller limits the speed then, so a small value may turn a free wheel fast.
+    OpenLoopTarget, "raw open-loop value"
+}
 
 impl CurrentTarget {
-    /// Least raw target.
-    pub const MIN: i32 = -32767;
-    /// Greatest raw target.
-    pub const MAX: i32 = 32767;
-    /// 0 A: the wheel coasts.
-    pub const ZERO: Self = Self(0);
-
-    /// A raw target.
-    ///
-    /// # Errors
-    /// Outside -32767..=32767.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the value was checked to be inside i16"
-    )]
-    pub const fn new(raw: i32) -> Result<Self, OutOfRange> {
-        match checked(raw, Self::MIN, Self::MAX, "raw current") {
-            Ok(raw) => Ok(Self(raw as i16)),
-            Err(error) => Err(error),
-        }
-    }
-
     /// The nearest target to this many amps; not a number is 0 A.
     #[must_use]
     pub fn from_amps(amps: f32) -> Self {
         Self(Current::from_amps(amps).raw().max(-i16::MAX))
     }
 
-    /// The raw number.
-    #[must_use]
-    pub const fn raw(self) -> i16 {
-        self.0
-    }
-
     /// Amps.
     #[must_use]
     pub fn amps(self) -> f32 {
         Current::from_raw(self.0).amps()
+    }
+}
+
+impl OpenLoopTarget {
+    /// The target of a value on the wire. -32768 has no positive counterpart.
+    #[must_use]
+    pub const fn nearest(raw: i16) -> Self {
+        Self(if raw == i16::MIN { -i16::MAX } else { raw })
     }
 }
 
@@ -219,8 +252,7 @@ macro_rules! through_i32 {
         }
     )*};
 }
-pub(crate) use through_i32;
-through_i32!(SpeedTarget, CurrentTarget, PositionTarget);
+through_i32!(SpeedTarget, CurrentTarget, PositionTarget, OpenLoopTarget);
 
 /// Byte 6 of a drive frame in the velocity loop: a time per rpm, so *larger is gentler*.
 ///
@@ -265,5 +297,14 @@ impl fmt::Display for CurrentTarget {
 impl fmt::Display for PositionTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Position::from_raw(self.0).fmt(f)
+    }
+}
+
+/// `+12.5 %`, of full scale.
+impl fmt::Display for OpenLoopTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let per_mille = (i32::from(self.0.unsigned_abs()) * 1_000 + Self::MAX / 2) / Self::MAX;
+        let sign = sign(self.0);
+        write!(f, "{sign}{}.{} %", per_mille / 10, per_mille % 10)
     }
 }

@@ -21,7 +21,7 @@ pub use crate::{
     faults::Faults,
     mode::Mode,
     model::{CurrentScale, FrameSet, Model, Nominal, Spec, UnknownModel, Wiring},
-    open_loop::OpenLoopTarget,
+    target::OpenLoopTarget,
 };
 pub use current::Current;
 pub use reading::{DriveReading, Layout, ModeReading, Odometry, Reading, ReadingError};
