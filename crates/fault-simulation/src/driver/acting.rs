@@ -43,7 +43,7 @@ impl Machine {
 
     /// Does an act. Returns the input that it gives to the driver.
     fn act(&mut self, act: Act, age: Duration) -> Option<Input> {
-        self.done.push(act.name());
+        self.done.push(act.into());
         let now = self.now;
         match act {
             Act::Command(command) => {

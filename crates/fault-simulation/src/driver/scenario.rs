@@ -6,6 +6,7 @@ use fastrand::Rng;
 use motorlink_bus::{BusSettings, Command, Consent, StopReason};
 use motorlink_protocol::{MotorId, family::Model};
 use motorlink_simulator::WhenSilent;
+use strum::IntoStaticStr;
 
 use crate::{generator::Generator, of_model::command_for};
 
@@ -14,8 +15,8 @@ const ACTS: u8 = 14;
 /// Pauses between acts in milliseconds: from within an exchange to longer than any stop.
 const PAUSES_MS: [u64; 8] = [0, 1, 4, 20, 80, 250, 700, 1_800];
 
-/// What happens to a process.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What happens to a process. As a text it is the name in the table.
+#[derive(Clone, Copy, Debug, PartialEq, IntoStaticStr)]
 pub enum Act {
     /// The program gives a command.
     Command(Command),
@@ -42,23 +43,6 @@ pub enum Act {
 }
 
 impl Act {
-    /// Its name in the table.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Command(_) => "Command",
-            Self::AskStatus => "AskStatus",
-            Self::ProgramSilent(_) => "ProgramSilent",
-            Self::Unplug(_) => "Unplug",
-            Self::PortRefuses(_) => "PortRefuses",
-            Self::PortStalls(_) => "PortStalls",
-            Self::DiskFull(_) => "DiskFull",
-            Self::Frozen(_) => "Frozen",
-            Self::Fails => "Fails",
-            Self::Kill => "Kill",
-            Self::End => "End",
-        }
-    }
-
     /// Whether the program does it, which it does only once the port is open.
     pub(super) const fn is_of_program(self) -> bool {
         matches!(
