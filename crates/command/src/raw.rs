@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use motorlink_bus::{Command, Consent, RawAnswer, Repeat, is_hazardous};
 use motorlink_driver::Ender;
-use motorlink_protocol::{Frame, explain_received, explain_sent};
+use motorlink_i18n::{family_terms, load_later_texts};
+use motorlink_protocol::Frame;
 
 use crate::{
     arguments::Global,
@@ -21,8 +22,12 @@ const MODEL_MAX: Duration = Duration::from_millis(300);
 
 /// Sends the frame once, and prints the answer. What it has moved is stopped.
 pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<(), Failure> {
+    // It uses those texts.
+    load_later_texts();
     if is_hazardous(&frame) && !yes {
-        say(format_args!("{frame} is: {}", explain_sent(&frame, None)));
+        let model = global.model.unwrap_or_default();
+        let meaning = family_terms::sent(model, &frame, None);
+        say(format_args!("{frame} is: {meaning}"));
         say(format_args!(
             "It may move a wheel or change a motor. A motor that it moves is stopped when this program ends."
         ));
@@ -70,10 +75,8 @@ fn send(connection: &Connection, frame: Frame) -> Result<(), Failure> {
         }) => {
             let after = f64::from(after_us) / 1000.0;
             print(format_args!("RX: {frame}"))?;
-            print(format_args!(
-                "    {} (after {after:.2} ms)",
-                explain_received(&frame, asked)
-            ))?;
+            let meaning = family_terms::received(connection.driver.model(), &frame, asked);
+            print(format_args!("    {meaning} (after {after:.2} ms)"))?;
         }
         Some(RawAnswer::Garbled) => print("RX: (bytes that are no frame)")?,
         Some(RawAnswer::NoneExpected) => print("RX: (this frame has no answer)")?,

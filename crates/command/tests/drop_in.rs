@@ -55,6 +55,15 @@ fn raw_frames_are_sent_and_what_moves_needs_a_yes() {
 }
 
 #[test]
+fn a_raw_reply_is_explained_as_one_of_its_model() {
+    let bench = Bench::new(&["--model", "ddsm210"]);
+    let mut command = bench.command("--model ddsm210 raw");
+    let said = command.arg("01 74 00 00 00 00 00 00 00").output().unwrap();
+    let said = crate::bench::Said::of(said);
+    assert!(said.out.contains(" turns, "), "{said:?}");
+}
+
+#[test]
 fn bad_command_lines_are_one_line_and_exit_code_2() {
     let bench = Bench::new(&[]);
     for line in [
