@@ -81,35 +81,20 @@ const WASM_BINDGEN_WORKS: [&str; 7] = [
     "wasmparser",
 ];
 
-/// A program for one command, built once into the cache.
-struct Pinned {
-    package: &'static str,
-    version: &'static str,
-}
+/// A program for one command, built once into the cache: its package and the version.
+struct Pinned(&'static str, &'static str);
 
 /// For fuzzing: see `reliability`.
-const CARGO_FUZZ: Pinned = Pinned {
-    package: "cargo-fuzz",
-    version: "0.13.1",
-};
+const CARGO_FUZZ: Pinned = Pinned("cargo-fuzz", "0.13.1");
 
 /// Checks licences, sources and duplicates of the dependencies.
-const CARGO_DENY: Pinned = Pinned {
-    package: "cargo-deny",
-    version: "0.18.9",
-};
+const CARGO_DENY: Pinned = Pinned("cargo-deny", "0.18.9");
 
 /// For mutation testing: see `mutants`.
-const CARGO_MUTANTS: Pinned = Pinned {
-    package: "cargo-mutants",
-    version: "27.1.0",
-};
+const CARGO_MUTANTS: Pinned = Pinned("cargo-mutants", "27.1.0");
 
 /// The router of Zenoh, in the version that `crates/ros` links: see `bench fleet`.
-const ZENOHD: Pinned = Pinned {
-    package: "zenohd",
-    version: "1.10.2",
-};
+const ZENOHD: Pinned = Pinned("zenohd", "1.10.2");
 
 impl Pinned {
     /// The directory of the program; builds it if it is missing.
@@ -118,7 +103,7 @@ impl Pinned {
     }
 
     fn ensure_with(&self, level: OptLevel) -> Result<PathBuf> {
-        let Self { package, version } = self;
+        let Self(package, version) = self;
         let cache = cache_dir()?;
         let root = cache.join("tools").join(format!("{package}-{version}"));
         let dir = root.join("bin");
