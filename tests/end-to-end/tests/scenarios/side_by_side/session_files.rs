@@ -4,7 +4,7 @@ use std::{fs, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_quiet_console, number,
-    places::{LAPTOP, in_sight, look},
+    places::{LAPTOP, READ_OUTS, all_in_sight, in_sight, look},
     spin,
 };
 use anyhow::{Context, Result, anyhow, ensure};
@@ -57,6 +57,9 @@ fn replay(scenario: &Scenario) -> Result<()> {
     look(page, LAPTOP)?;
     let graph = in_sight(page, LAPTOP, "img", "Speed and current")?;
     assert!(graph.height() >= 160.0, "{graph:?}");
+    let wheel = in_sight(page, LAPTOP, "img", "Digital twin")?;
+    assert!(wheel.height() >= 250.0, "{wheel:?}");
+    all_in_sight(page, LAPTOP, &READ_OUTS)?;
     look(page, View::DESKTOP)?;
     let from_us = now_us();
     page.click("button", "Play")?;
