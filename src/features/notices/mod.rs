@@ -70,7 +70,7 @@ pub(crate) fn Notices(
                     {dynamic(move || if none() { next.get() } else { String::new() })}
                 </p>
             </div>
-            {slots}
+            <div class="notice-list">{slots}</div>
         </section>
     }
 }

@@ -19,17 +19,42 @@ const SCAN_MAX: Duration = Duration::from_secs(90);
 /// A stall takes the motor 5 s to notice.
 const STALL_MAX: Duration = Duration::from_secs(40);
 
+/// Around the notices that are shown and the tour, and whether they are cut.
+const NOTICES: &str = "(() => {
+    const shown = [...document.querySelectorAll('.notices, .notice')].filter((it) => it.getClientRects().length);
+    const boxes = shown.map((it) => it.getBoundingClientRect());
+    const most = (pick, side) => pick(...boxes.map((box) => box[side]));
+    const cut = [...document.querySelectorAll('.notices, .notice-list')].some((it) => it.scrollHeight > it.clientHeight + 1);
+    return [most(Math.min, 'left'), most(Math.min, 'top'), most(Math.max, 'right'), most(Math.max, 'bottom'), cut];
+})()";
+
+/// Where controls and figures lie.
+const FIXED: &str = "JSON.stringify(['.control-panel', '.read-out.speed'].map((name) => {
+    const { left, top } = document.querySelector(name).getBoundingClientRect();
+    return [left, top];
+}))";
+
 /// The notices that are shown, the tour among them.
 fn notices(page: &Page, view: View) -> Result<Place> {
-    let place = in_sight(page, view, "region", "Notices")?;
-    let clipped = page.evaluate(
-        "(() => { const panel = document.querySelector('.notices');
-            return panel.scrollHeight > panel.clientHeight + 1; })()",
-    )?;
+    let shown = page.evaluate(NOTICES)?;
+    let side = |at: usize| shown[at].as_f64().context("no notices");
+    let (place, clipped) = (
+        Place {
+            left: side(0)?,
+            top: side(1)?,
+            right: side(2)?,
+            bottom: side(3)?,
+        },
+        &shown[4],
+    );
+    ensure!(
+        place.top >= 0.0 && place.bottom <= f64::from(view.height),
+        "{place:?} in {view:?}"
+    );
     // Sideways a phone has little room: the tour scrolls.
     let is_tour = page.find_all("button", "Skip the tour")?.len() == 1;
     ensure!(
-        clipped == json!(false) || is_tour && view == LANDSCAPE,
+        *clipped == json!(false) || is_tour && view == LANDSCAPE,
         "the notices are cut in {view:?}"
     );
     let stop = in_sight(page, view, STOP.0, STOP.1)?;
@@ -129,6 +154,14 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
     scenario.page.open_panel("Settings")?;
     scenario.page.fill("spinbutton", "Current limit", "8")?;
     spin(&scenario.page, "+100", 97..=103)?;
+    let places = |page: &Page| -> Result<Vec<_>> {
+        let place = |view| {
+            look(page, view)?;
+            page.evaluate(FIXED)
+        };
+        SIZES.into_iter().map(place).collect()
+    };
+    let before = places(&scenario.page)?;
     scenario.adapter.act("block 1 on")?;
     let page = &scenario.page;
     page.wait_for_text_within(STALL_MAX, "region", "Notices", |text| {
@@ -141,6 +174,7 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
         look(page, view)?;
         notices(page, view)?;
     }
+    assert_eq!(places(page)?, before, "an alert moves nothing");
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! What a phone shows, upright and sideways.
 
 use anyhow::{Result, ensure};
-use end_to_end::{Line, View};
+use end_to_end::{Line, Page, View};
 use serde_json::json;
 
 use crate::fixture::{
@@ -81,6 +81,10 @@ fn a_phone_shows_the_rest_behind_its_bar() -> Result<()> {
             look(page, view)?;
             page.click("button", place)?;
             in_sight(page, view, STOP.0, STOP.1)?;
+            in_sight(page, view, "button", "Help")?;
+            if name == "Arm" {
+                keeps_the_buttons_of_a_run_in_sight(page, view)?;
+            }
             for (role, name) in [(role, name), ("region", "Packet log"), ("button", "PNG")] {
                 let shown = page.find(role, name)?;
                 assert!(Place::of(&shown)?.width() > 0.0, "{name} in {place}");
@@ -88,6 +92,16 @@ fn a_phone_shows_the_rest_behind_its_bar() -> Result<()> {
         }
     }
     Ok(())
+}
+
+fn keeps_the_buttons_of_a_run_in_sight(page: &Page, view: View) -> Result<()> {
+    page.click("button", "Arm")?;
+    page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
+    for top in [0, 300] {
+        page.evaluate(&format!("scrollTo(0, {top})"))?;
+        all_in_sight(page, view, &[("button", "Run"), ("button", "Abort")])?;
+    }
+    page.click("button", "Abort")
 }
 
 /// Controls in sight that are smaller than a finger: a tick is pressed with its label, and an absolute `::before` makes
