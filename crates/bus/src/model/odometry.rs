@@ -6,6 +6,8 @@ use motorlink_protocol::{Instant, Position, Rpm};
 
 /// Between two replies further apart than this the speed may have changed.
 const APART_MAX: Duration = Duration::from_secs(1);
+/// No wheel of the family is a third as fast. A motor that has got its power back counts its turns from zero.
+const SPEED_MAX_RPM: f32 = 1_000.0;
 
 /// The last odometry reply of a motor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,12 +52,12 @@ impl LastOdometry {
         )]
         let moved = turns.wrapping_sub(before.turns) as f32 + part - before.part;
         let rpm = moved / passed.as_secs_f32() * 60.0;
+        if rpm.abs() > SPEED_MAX_RPM {
+            return None;
+        }
         // The angle itself jitters by a step or two.
         let rpm = if rpm.abs() < 0.2 { 0.0 } else { rpm };
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "a float cast saturates, which is what is meant"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "a thousand fits")]
         let whole = (if rpm < 0.0 { rpm.floor() } else { rpm.ceil() }) as i16;
         Some(Rpm::new(whole))
     }
@@ -98,6 +100,18 @@ mod tests {
         assert_eq!(speed(300, 4, 30_000), Some(Rpm::new(0)));
         assert_eq!(speed(400, 4, 30_030), Some(Rpm::new(1)));
         assert_eq!(speed(2_000, 4, 0), None);
+    }
+
+    #[test]
+    fn a_motor_that_counts_its_turns_from_zero_again_tells_no_speed() {
+        let mut last = LastOdometry::default();
+        let mut speed = |ms, turns| {
+            let position = Position::from_raw(100);
+            last.speed(at(ms), Some(at(ms)), turns, position)
+        };
+        assert_eq!(speed(0, -300), None);
+        assert_eq!(speed(165, 0), None);
+        assert_eq!(speed(265, 0), Some(Rpm::new(0)));
     }
 
     #[test]
