@@ -95,6 +95,10 @@ fn a_phone_shows_the_rest_behind_its_bar() -> Result<()> {
 }
 
 fn keeps_the_buttons_of_a_run_in_sight(page: &Page, view: View) -> Result<()> {
+    // A notice is above the form until it is dismissed.
+    for dismiss in page.find_all("button", "Dismiss")? {
+        dismiss.click()?;
+    }
     page.click("button", "Arm")?;
     page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
     for top in [0, 300] {
