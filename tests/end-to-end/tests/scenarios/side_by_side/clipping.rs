@@ -7,7 +7,8 @@ use serde_json::json;
 
 use crate::fixture::places::{LANDSCAPE, LAPTOP, READ_OUTS, WIDE, in_sight, look};
 
-/// Fields and buttons whose text is wider than they are, or that end beyond their row.
+/// Fields and buttons whose text is wider than they are, or that end beyond their row, and a title of the graph without
+/// its motor.
 const CUT: &str = "(() => {
     const pen = document.createElement('canvas').getContext('2d');
     const width = (element, text) => {
@@ -29,6 +30,9 @@ const CUT: &str = "(() => {
         const row = swiped ? null : element.closest('.loop-head') ?? element.closest('.control-panel, .place');
         const over = row && element.getBoundingClientRect().right > row.getBoundingClientRect().right + 0.5;
         if (over || width(element, text) + rest > element.clientWidth + 0.5) cut.push(text);
+    }
+    for (const title of document.querySelectorAll('.graph-head h2')) {
+        if (title.clientWidth > 1 && title.scrollHeight > title.clientHeight + 1) cut.push(title.innerText);
     }
     return cut;
 })()";
