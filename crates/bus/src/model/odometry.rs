@@ -6,8 +6,8 @@ use motorlink_protocol::{Instant, Position, Rpm};
 
 /// Between two replies further apart than this the speed may have changed.
 const APART_MAX: Duration = Duration::from_secs(1);
-/// No wheel of the family is a third as fast. A motor that has got its power back counts its turns from zero.
-const SPEED_MAX_RPM: f32 = 1_000.0;
+/// No wheel is as fast, whatever turns it. A motor that has got its power back counts its turns from zero.
+const SPEED_MAX_RPM: f32 = 10_000.0;
 
 /// The last odometry reply of a motor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +57,7 @@ impl LastOdometry {
         }
         // The angle itself jitters by a step or two.
         let rpm = if rpm.abs() < 0.2 { 0.0 } else { rpm };
-        #[allow(clippy::cast_possible_truncation, reason = "a thousand fits")]
+        #[allow(clippy::cast_possible_truncation, reason = "ten thousand fit")]
         let whole = (if rpm < 0.0 { rpm.floor() } else { rpm.ceil() }) as i16;
         Some(Rpm::new(whole))
     }
