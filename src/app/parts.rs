@@ -41,7 +41,7 @@ use crate::{
         raw::view::RawHexPanel,
         recording::Recording,
         remote::view::RemoteGroup,
-        rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
+        rover::{geometry_fields::GeometryFields, group, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
         session_file::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
         settings::panel::{InstallButton, SettingsPanel},
@@ -179,6 +179,7 @@ in_part!(tools: fn mount_tools(hosts, features) [
         load_later_texts();
         let rover = Rover::of_page(&hosts.owner, features.page);
         hosts.mount(move || {
+            group::show(rover);
             let measures = view! { <GeometryFields rover /> };
             view! { <TogetherPanel groups=features.groups measures /> }
         })

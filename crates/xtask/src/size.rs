@@ -62,7 +62,8 @@ const PARTS: [Part; 19] = [
     // the tabs of the dock.
     // 1,500 are the group Remote of a page that comes from a server. 300 are names and texts that macros derive.
     ("desk", BEHIND, &["desk"], 151_200),
-    ("tools", BEHIND, &["tools"], 65_500),
+    // 1,600 are the cards of a group.
+    ("tools", BEHIND, &["tools"], 67_100),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep
@@ -88,7 +89,8 @@ const PARTS: [Part; 19] = [
     // too. 1,200 are the panes of the graph, of which a picture is saved, 600 the
     // exports of the panel Recording, which is a tool, 200 what a start waits for. 900 say why a motor cannot be driven at
     // once, to the drive pad and to a run.
-    ("shared", BEHIND, &["chunk"], 87_200),
+    // 800 are what the cards of a group have in common with the rover.
+    ("shared", BEHIND, &["chunk"], 88_200),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
@@ -153,7 +155,8 @@ const DRIVING_GZIP_BYTES_MAX: usize = 376_500;
 /// other writers take 2,500, the motion of a rover in session files and lines that are kept apart 12,000. The panes, axes,
 /// zoom and marks of the graph take 15,300, the first screen 4,000, the dock 4,400, a group that starts in any loop 1,500,
 /// the motor in each title 300. 1,300 are names and texts that macros derive: 500 lines less to read.
-const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_519_800;
+/// 1,700 are the cards of a group.
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_521_500;
 
 /// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]

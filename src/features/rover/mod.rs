@@ -6,6 +6,7 @@
 //! | `trip` | feeds the history of the motors to the odometry |
 //! | `arrow` | the arrow of a motion |
 //! | `picture`, `tread` | the drawing as markup, and its turning treads |
+//! | `group` | the cards of a group that is driven |
 //! | `readings`, `texts` | what is said beside the drawing |
 //! | `painter`, `panel`, `state` | the browser: attributes, views, what a person sets |
 //! | `geometry`, `geometry_fields` | the fields of wheel radius and track width |
@@ -17,6 +18,7 @@
 pub(crate) mod arrow;
 pub(crate) mod geometry;
 pub(crate) mod geometry_fields;
+pub(crate) mod group;
 pub(crate) mod painter;
 pub(crate) mod panel;
 pub(crate) mod path;

@@ -3,7 +3,10 @@
 use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::{experiments::vehicle::Motion, protocol::MotorId};
 
-use crate::ui::{format::UNKNOWN, mathematics::modulo};
+use crate::ui::{
+    format::{UNKNOWN, signed_decimal},
+    mathematics::modulo,
+};
 
 /// The figures below the drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,15 +22,15 @@ pub(crate) struct Figures {
 impl Figures {
     /// `motion` is `None` while a side is unknown.
     pub(crate) fn new(motion: Option<Motion>, driven_mm: f64, heading_deg: f64) -> Self {
-        let speed = |motion: Motion| signed(motion.forward_mm_per_s / 1e3, 2, "m/s");
-        let turn = |motion: Motion| signed(motion.turn_deg_per_s, 0, "°/s");
-        // 359.6 is 0, not 360, and -0.4 is 0, not -0.
-        let heading = modulo(heading_deg.round() + 0.0, 360.0);
         Self {
-            forward: motion.map_or_else(|| format!("{UNKNOWN} m/s"), speed),
-            turn: motion.map_or_else(|| format!("{UNKNOWN} °/s"), turn),
+            forward: [&forward(motion), " m/s"].concat(),
+            turn: [
+                &signed(motion.map(|motion| motion.turn_deg_per_s), 0),
+                " °/s",
+            ]
+            .concat(),
             driven: in_language(format!("{:.2} m", driven_mm / 1e3)),
-            heading: format!("{heading:.0}°"),
+            heading: [&heading(heading_deg), "°"].concat(),
             path_notes: String::new(),
         }
     }
@@ -75,16 +78,20 @@ impl Figures {
     }
 }
 
-/// `+0.53 m/s`, `−38 °/s`, `0 °/s`: a value that rounds to zero has no sign.
-fn signed(value: f64, decimals: usize, unit: &str) -> String {
-    let digits = format!("{:.decimals$}", value.abs());
-    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
-    let sign = match value {
-        _ if is_zero => "",
-        0.0.. => "+",
-        _ => "\u{2212}",
-    };
-    in_language(format!("{sign}{digits} {unit}"))
+/// `+0.53`, in m/s.
+pub(crate) fn forward(motion: Option<Motion>) -> String {
+    signed(motion.map(|motion| motion.forward_mm_per_s / 1e3), 2)
+}
+
+/// `71`, in degrees: 359.6 is 0, not 360, and -0.4 is 0, not -0.
+pub(crate) fn heading(heading_deg: f64) -> String {
+    format!("{:.0}", modulo(heading_deg.round() + 0.0, 360.0))
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a few digits are shown")]
+fn signed(value: Option<f64>, decimals: usize) -> String {
+    let known = value.map(|value| signed_decimal(value as f32, decimals));
+    known.unwrap_or_else(|| UNKNOWN.to_owned())
 }
 
 #[cfg(test)]

@@ -39,8 +39,19 @@ fn rover() -> Result<Scenario> {
     Ok(scenario)
 }
 
+/// A figure of the group. The cards `Forward` and `Heading` have two.
 fn figure(page: &Page, name: &str) -> Result<f64> {
-    number(&page.text("output", name)?).with_context(|| format!("{name} is unknown"))
+    let card = match name {
+        "Driven" => "Forward",
+        "Turn" => "Heading",
+        own => own,
+    };
+    said(&page.text("output", card)?, name).with_context(|| format!("{name} is unknown"))
+}
+
+/// The number behind this word of a card, or the first one.
+fn said(card: &str, word: &str) -> Option<f64> {
+    number(card.split_once(word).map_or(card, |(_, rest)| rest))
 }
 
 /// Holds an arrow key on the drive pad for this long, until the rover stands again.
@@ -61,7 +72,7 @@ fn hold(
     meanwhile(page)?;
     page.release_key(key)?;
     page.wait_for_text("output", "Forward", |text| text.starts_with("0.00"))?;
-    page.wait_for_text("output", "Turn", |text| text.starts_with("0 "))?;
+    page.wait_for_text("output", "Heading", |text| text.contains("Turn 0 "))?;
     Ok(())
 }
 
@@ -74,6 +85,13 @@ fn a_rover_is_seen_from_above_with_the_path_that_it_drives() -> Result<()> {
         "the rover replaces it"
     );
     assert!(figure(page, "Driven")?.abs() < 0.01);
+
+    // The cards are those of the group.
+    page.wait_for_text("output", "Current", |text| text.contains("sum of 4"))?;
+    page.wait_for_text("output", "Temperature", |text| text.contains("0x0"))?;
+    page.click("radio", "Motor")?;
+    page.find("output", "Position")?;
+    page.click("radio", "Group")?;
 
     // 80 rpm with a wheel radius of 51 mm are 0.43 m/s.
     hold(&scenario, "ArrowUp", Duration::from_secs(1), |page| {
@@ -98,8 +116,8 @@ fn a_rover_is_seen_from_above_with_the_path_that_it_drives() -> Result<()> {
         "ArrowRight",
         Duration::from_millis(300),
         |page| {
-            page.wait_for_text("output", "Turn", |text| {
-                number(text).is_some_and(|turn| turn > 100.0)
+            page.wait_for_text("output", "Heading", |text| {
+                said(text, "Turn").is_some_and(|turn| turn > 100.0)
             })?;
             Ok(())
         },
@@ -122,7 +140,7 @@ fn a_rover_is_seen_from_above_with_the_path_that_it_drives() -> Result<()> {
         "the path is kept"
     );
     page.click("button", "Reset path")?;
-    page.wait_for_text("output", "Driven", |text| text.starts_with("0.00"))?;
+    page.wait_for_text("output", "Forward", |text| text.contains("Driven 0.00"))?;
 
     // The measures have a range, and are stored.
     page.fill("spinbutton", "Wheel radius", "9")?;
