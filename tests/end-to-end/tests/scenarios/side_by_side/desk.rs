@@ -230,14 +230,18 @@ fn a_group_is_driven_with_its_telemetry_and_the_graph_in_sight() -> Result<()> {
     })?;
     let view = View::DESKTOP;
     let panel = Place::of(&page.find("region", "Drive together")?)?;
-    for (role, name) in READ_OUTS.into_iter().chain([
+    for (role, name) in [
+        ("output", "Forward"),
+        ("output", "Current"),
+        ("output", "Heading"),
+        ("output", "Temperature"),
         ("button", "Motor 0x01"),
         ("button", "Motor 0x02"),
         ("button", "Motor 0x03"),
         ("button", "Motor 0x04"),
         ("img", "Speed and current"),
         STOP,
-    ]) {
+    ] {
         let place = in_sight(page, view, role, name)?;
         assert!(!panel.covers(place), "{name}: {place:?} under {panel:?}");
     }
