@@ -6,7 +6,6 @@ use end_to_end::{Bench, Page, View, WAIT_MAX, wait_until};
 use crate::fixture::{
     assert_quiet_console, number,
     places::{STOP, in_sight, look},
-    wait_for_speed,
 };
 
 /// The status `Connection` says so, and this many motors report their speed.
@@ -69,7 +68,7 @@ fn an_address_opens_a_rover_that_drives_and_a_real_one_keeps_its_names() -> Resu
             .ok_or_else(|| format!("{speeds:?}")))
     })?;
     page.press("Escape")?;
-    wait_for_speed(&page, 0..=0)?;
+    page.wait_for_text("output", "Forward", |text| text.starts_with("0.00"))?;
     page.click("button", "Release")?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
