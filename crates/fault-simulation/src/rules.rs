@@ -2,6 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `commands`, `events` | what a command of the operator changes, and what an event of the bus says |
 //! | `operator` | which commands are in force, and what may be sent by them |
 //! | `wire` | frames on the wire, and their entries in the log |
 //! | `said` | what a frame says, and to whom |
@@ -15,6 +16,8 @@
 
 mod asked;
 mod bounds;
+mod commands;
+mod events;
 mod invented;
 mod liveness;
 mod motion;
@@ -25,23 +28,20 @@ mod truth;
 mod unasked;
 mod wire;
 
-use std::{collections::BTreeMap, time::Duration};
+use std::collections::BTreeMap;
+use std::time::Duration;
 
-use motorlink_bus::{
-    Activity, Bus, Command, Consent, Event, Limits, LineEventKind, Refusal, StopReason, StopReport,
-    WithdrawReason, is_hazardous,
-};
-use motorlink_protocol::{
-    Frame, Instant, MotorId, Setpoint,
-    family::{Model, Request},
-};
-use motorlink_simulator::{VirtualMotor, World};
+use motorlink_bus::{Bus, Limits};
+use motorlink_protocol::family::{Model, Request};
+use motorlink_protocol::{Frame, Instant, MotorId, Setpoint};
+use motorlink_simulator::World;
+
+use crate::rule::{Outcome, Rule, broken};
 
 use self::{
     asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
-    operator::Operator, said::may_obey, starts::Starts, truth::Truth, unasked::Unasked, wire::Wire,
+    operator::Operator, starts::Starts, truth::Truth, unasked::Unasked, wire::Wire,
 };
-use crate::rule::{Outcome, Rule, broken};
 
 /// Longest time until a stop reaches a motor: 10 ms of the bus, and at most 10 ms of the exchange
 /// in flight.
@@ -97,150 +97,6 @@ impl Rules {
 
     pub(crate) fn judge(&mut self, rule: Rule) {
         *self.judged.entry(rule).or_default() += 1;
-    }
-
-    /// The bus answered a command that was given at `given`.
-    pub(crate) fn on_command(
-        &mut self,
-        now: Instant,
-        given: Instant,
-        command: Command,
-        answer: Result<(), Refusal>,
-        bus: &Bus,
-        world: &World,
-    ) -> Outcome {
-        let raw = self.operator.raw();
-        self.operator.on_command(now, given, command, answer)?;
-        match answer {
-            Ok(()) => {
-                if let Command::SendRaw { frame, .. } = command
-                    && is_hazardous(&frame)
-                {
-                    self.unasked.sent_by_hand(&frame, bus, now);
-                }
-                self.carried_out(now, command, raw, bus, world);
-            }
-            Err(Refusal::AboveSpeedLimit(_) | Refusal::NeedsConsent(_)) => {
-                self.judge(Rule::NothingAboveALimit);
-            }
-            Err(_) => {}
-        }
-        self.check_active_setpoints(now, bus)
-    }
-
-    /// The bus accepted a command; `raw` is the raw frame before it.
-    fn carried_out(
-        &mut self,
-        now: Instant,
-        command: Command,
-        raw: Option<Frame>,
-        bus: &Bus,
-        world: &World,
-    ) {
-        match command {
-            // A stop that joins another has its own window.
-            Command::Stop(id) => {
-                self.stop_begins(now, |other| *other == id);
-                self.stop_began = self.stop_began.map(|_| now);
-                self.moves_no_more(now, world, |other| *other == id);
-            }
-            Command::StopAll(_) => {
-                self.stop_begins(now, |_| true);
-                self.stop_began = Some(now);
-                self.moves_no_more(now, world, |_| true);
-            }
-            Command::StopRaw => {
-                let standing = self.operator.standing();
-                self.moves_no_more(now, world, |id| {
-                    !standing.contains(id) && raw.is_some_and(|raw| may_obey(&raw, *id))
-                });
-            }
-            Command::SwitchMode { id, .. } => {
-                self.liveness.asked(|other| *other == id);
-                self.starts.asked_otherwise(|other| *other == id);
-            }
-            Command::Start {
-                id,
-                setpoint,
-                consent,
-            } => self.starts(now, &[(id, setpoint)], consent, bus),
-            Command::Adjust {
-                id,
-                setpoint,
-                consent,
-            } if self.starts.waits(id) => self.starts(now, &[(id, setpoint)], consent, bus),
-            Command::StartGroup { setpoints, consent } => {
-                let parts: Vec<_> = setpoints.entries().collect();
-                self.starts(now, &parts, consent, bus);
-            }
-            // Zeros end what waits.
-            Command::AdjustGroup { setpoints, consent }
-                if setpoints.entries().all(|(id, _)| self.starts.waits(id))
-                    && setpoints.entries().any(|(_, setpoint)| turns(setpoint)) =>
-            {
-                let parts: Vec<_> = setpoints.entries().collect();
-                self.starts(now, &parts, consent, bus);
-            }
-            Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
-                self.liveness.asked(|other| *other == id);
-                self.motion.asked(|other| *other == id);
-                self.bounds.on_command(id, consent);
-                self.starts.asked_otherwise(|other| *other == id);
-            }
-            Command::DriveGroup { setpoints, consent }
-            | Command::AdjustGroup { setpoints, consent } => {
-                for (id, _) in setpoints.entries() {
-                    self.liveness.asked(|other| *other == id);
-                    self.motion.asked(|other| *other == id);
-                    self.bounds.on_command(id, consent);
-                    self.starts.asked_otherwise(|other| *other == id);
-                }
-            }
-            Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
-                self.liveness.asked(|id| may_obey(&frame, *id));
-                let motors = world.motors().map(VirtualMotor::id);
-                self.liveness
-                    .sent_by_hand(motors.filter(|id| may_obey(&frame, *id)));
-                self.motion.asked(|id| may_obey(&frame, *id));
-            }
-            // Where a wheel will be is not known without its speed.
-            Command::Hold(id)
-                if !self.speed_stuck.contains(&id) && self.motion.hold(now, id, world) =>
-            {
-                self.judge(Rule::HoldHolds);
-            }
-            _ => {}
-        }
-    }
-
-    /// A person started these motors, or changed the setpoints that wait for their stop or their switch.
-    fn starts(&mut self, now: Instant, parts: &[(MotorId, Setpoint)], consent: Consent, bus: &Bus) {
-        for (id, setpoint) in parts.iter().copied() {
-            let mut motors = bus.motors(now).filter(|status| status.id == id);
-            let activity = motors.next().map(|status| status.activity);
-            let stops = matches!(activity, Some(Activity::Stopping { .. }));
-            if stops && !self.starts.waits(id) {
-                // What was driven before is stopped first.
-                self.stop_begins(now, |other| *other == id);
-            } else if !stops {
-                self.liveness.asked(|other| *other == id);
-            }
-            self.operator.stands(now, id, setpoint);
-            self.motion.asked(|other| *other == id);
-            self.bounds.on_command(id, consent);
-        }
-        self.starts.asked(now, parts);
-    }
-
-    /// These motors were stopped: any motion from now on is unwanted.
-    fn moves_no_more(
-        &mut self,
-        now: Instant,
-        world: &World,
-        is_stopped: impl Fn(&MotorId) -> bool,
-    ) {
-        let judged = self.motion.stop(now, world, is_stopped);
-        *self.judged.entry(Rule::StopMovesNothing).or_default() += judged;
     }
 
     /// No call reached the bus for a while; `is_late` is whether for too long.
@@ -454,88 +310,6 @@ impl Rules {
     /// The bus gets bytes.
     pub(crate) fn delivered(&mut self, now: Instant, bytes: &[u8]) {
         self.bounds.delivered(now, bytes);
-    }
-
-    /// The bus reports an event.
-    pub(crate) fn on_event(&mut self, now: Instant, event: &Event, world: &World) -> Outcome {
-        self.operator.on_event(now, event);
-        self.starts.on_event(now, event);
-        self.wire.on_event(now, event)?;
-        self.truth.on_event(now, event, world)?;
-        match event {
-            Event::StopBegan(reason) => {
-                self.stop_began = Some(now);
-                self.liveness.stop_begins(now, &[]);
-                if *reason == StopReason::PageSilent {
-                    self.judge(Rule::DeadPageStops);
-                    self.stop_begins(now, |_| true);
-                    self.moves_no_more(now, world, |_| true);
-                }
-            }
-            Event::StopEnded(report) => {
-                self.stop_began = None;
-                self.judge(Rule::StopEnds);
-                for rule in self.liveness.stop_ended(now, report)? {
-                    self.judge(rule);
-                }
-                self.confirmed_stand(now, report, world)?;
-                self.operator.stopped(report);
-                // A stop that joined one whose last brake was on its way.
-                let confirmed = report.motors.iter().filter(|outcome| outcome.confirmed);
-                for outcome in confirmed {
-                    self.stops.remove(&outcome.id);
-                }
-                return self.names_all(now, report);
-            }
-            Event::Withdrawn { id, reason } => {
-                match reason {
-                    WithdrawReason::Silent => self.judge(Rule::SilentIsWithdrawn),
-                    WithdrawReason::Limit(_) | WithdrawReason::TemperatureUnknown => {
-                        self.judge(Rule::LimitsHold);
-                    }
-                    WithdrawReason::Fault(_)
-                    | WithdrawReason::AngleMisfits
-                    | WithdrawReason::NotEnabled
-                    | WithdrawReason::OtherLoop { .. } => {}
-                }
-                self.stop_begins(now, |other| other == id);
-                self.moves_no_more(now, world, |other| other == id);
-            }
-            Event::Telemetry(sample) => {
-                self.judge(Rule::TelemetryIsTrue);
-                self.invented.reported(now, sample)?;
-                self.unasked.reported(*sample);
-                self.judge(Rule::NoInventedValue);
-            }
-            Event::Line(traffic) => self.judge(match traffic.kind {
-                LineEventKind::Received { .. } => Rule::GoodRepliesAreHeard,
-                _ => Rule::LogIsComplete,
-            }),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// A motor that reports no speed is confirmed by its angle.
-    fn confirmed_stand(&mut self, now: Instant, report: &StopReport, world: &World) -> Outcome {
-        for outcome in &report.motors {
-            if self.speed_stuck.contains(&outcome.id) {
-                self.judge(Rule::StandstillIsTrue);
-                truth::confirmed(Rule::StandstillIsTrue, now, *outcome, world)?;
-            } else {
-                truth::confirmed(Rule::StopEnds, now, *outcome, world)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn names_all(&mut self, now: Instant, report: &StopReport) -> Outcome {
-        let named = |id: &MotorId| report.motors.iter().any(|outcome| outcome.id == *id);
-        let left_out = self.reported.drain(..).find(|id| !named(id));
-        match left_out {
-            Some(id) => broken(Rule::StopEnds, now, format!("{id} is not in the report")),
-            None => Ok(()),
-        }
     }
 
     /// Time has passed.
