@@ -42,6 +42,7 @@ pub struct LimitOutOfRange;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ExceededLimit {
     /// Too fast.
+    // Without a sign: a mirrored motor has the opposite one.
     #[error("{} rpm, above your limit of {limit} rpm", .reached.magnitude())]
     Speed {
         /// Reported value.

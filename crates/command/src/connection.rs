@@ -11,11 +11,11 @@ use std::{
 };
 
 use motorlink_bus::Event;
-use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Place, Status, VirtualLine};
-use motorlink_protocol::MotorId;
+use motorlink_driver::{Driver, Ender, Ending, Entry, Next, Options, Status};
 
 use crate::{
     arguments::Global,
+    asked_line::{motors, place},
     failure::Failure,
     log::Log,
     output::say,
@@ -309,40 +309,6 @@ pub fn on_line(
             }
             worked => return most_serious(worked, stopped),
         }
-    }
-}
-
-/// The motors of `--id`, or else all virtual ones. Empty if the command looks for them.
-fn motors(global: &Global) -> Result<Vec<SignedId>, Failure> {
-    let all = &global.id;
-    for (place, one) in all.iter().enumerate() {
-        if all.iter().skip(place + 1).any(|other| other.id == one.id) {
-            let text = format!("--id: {} is given twice", one.id);
-            return Err(Failure::Usage(text));
-        }
-    }
-    Ok(match global.virtual_motors {
-        Some(count) if all.is_empty() => {
-            let ids = (1..=count).flat_map(MotorId::new);
-            ids.map(SignedId::straight).collect()
-        }
-        _ => all.clone(),
-    })
-}
-
-fn place(global: &Global) -> Result<Place, Failure> {
-    match (global.virtual_motors, &global.port) {
-        (Some(_), Some(_)) => {
-            let text = "--virtual has no port: leave out one of them";
-            Err(Failure::Usage(text.to_owned()))
-        }
-        (Some(count), None) => {
-            let ids = (1..=count).flat_map(MotorId::new);
-            let model = global.model.unwrap_or_default();
-            Ok(Place::Virtual(VirtualLine::of(model, ids)))
-        }
-        (None, Some(port)) => Ok(Place::Port(port.clone())),
-        (None, None) => Ok(Place::OnlyAdapter),
     }
 }
 

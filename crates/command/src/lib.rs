@@ -4,6 +4,7 @@
 
 mod answering;
 mod arguments;
+mod asked_line;
 mod confirm;
 mod connection;
 mod control;

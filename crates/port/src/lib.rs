@@ -2,8 +2,8 @@
 //! model, what happens to motors that an earlier program left driven, and how the bus runs on the open line. Only their
 //! ports and clocks differ.
 //!
-//! Nothing here does input or output but through [`Line`]. The caller does what [`Opening::step`] says, and runs the [`motorlink_bus::Bus`] of
-//! the open port by [`PortControl::turn`].
+//! Nothing here does input or output but through [`Line`]. The caller does what [`Opening::step`] says, and runs the
+//! [`motorlink_bus::Bus`] of the open port by [`PortControl::turn`].
 //!
 //! - Motors that were left driven are stopped first, if they can be on no other port.
 //! - Otherwise all ports that are alike are asked which of them has a motor that turns. Nothing but queries goes out

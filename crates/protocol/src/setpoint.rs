@@ -9,9 +9,6 @@ use crate::{
     target::{Acceleration, CurrentTarget, OpenLoopTarget, PositionTarget, SpeedTarget},
 };
 
-/// Milliamps of a [`CurrentTarget`] at full scale.
-const FULL_SCALE_MA: i32 = 8_000;
-
 /// A setpoint in its loop. Not every model has every loop.
 ///
 /// **Zero is not "stop"**: it is 0 rpm in the velocity loop, coasting in the current loop and a move
@@ -85,7 +82,7 @@ impl Setpoint {
             }
             Self::Current(target) => {
                 let full_scale = i32::from(model.spec().current.milliamps());
-                let raw = i32::from(target.raw()) * FULL_SCALE_MA / full_scale;
+                let raw = i32::from(target.raw()) * CurrentTarget::FULL_SCALE_MA / full_scale;
                 i16::try_from(raw).unwrap_or(if raw < 0 { -i16::MAX } else { i16::MAX })
             }
             Self::Brake | Self::Position(_) | Self::OpenLoop(_) => return drive,

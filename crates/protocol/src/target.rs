@@ -160,6 +160,9 @@ raw_target! {
 }
 
 impl CurrentTarget {
+    /// Milliamps of the greatest raw number, as of a [`Current`].
+    pub const FULL_SCALE_MA: i32 = 8_000;
+
     /// The nearest target to this many amps; not a number is 0 A.
     #[must_use]
     pub fn from_amps(amps: f32) -> Self {

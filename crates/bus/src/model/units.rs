@@ -4,12 +4,9 @@
 //! scale. Only here the units of a model matter.
 
 use motorlink_protocol::{
-    Current, Drive, Mode, Rpm,
+    Current, CurrentTarget, Drive, Mode, Rpm,
     family::{self, Model, Speed},
 };
-
-/// Milliamps at full scale in the bus.
-const FULL_SCALE_MA: i32 = 8_000;
 
 /// A drive frame of this model in the units of the bus, if the motor reads it in this loop.
 pub(crate) fn in_bus_units(model: Model, drive: Drive, mode: Mode) -> Drive {
@@ -26,7 +23,7 @@ pub(crate) fn in_bus_units(model: Model, drive: Drive, mode: Mode) -> Drive {
 pub(crate) fn current(reported: family::Current) -> Current {
     let full_scale = i32::from(reported.scale().milliamps());
     Current::from_raw(saturated(
-        i32::from(reported.raw()) * full_scale / FULL_SCALE_MA,
+        i32::from(reported.raw()) * full_scale / CurrentTarget::FULL_SCALE_MA,
     ))
 }
 
