@@ -81,7 +81,7 @@ impl Bus {
         match exchange.purpose {
             Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
             Purpose::Pause => {}
-            Purpose::Job => self.job_id_query_ended(outcome, took),
+            Purpose::Job => self.job_id_query_ended(now, outcome, only_sender(rest), took),
             Purpose::Raw => self.raw_answered(match (answer, rest.is_silence()) {
                 (Some((frame, asked)), _) => RawAnswer::Reply {
                     frame,
@@ -130,4 +130,11 @@ impl Bus {
             IdQueryOutcome::Garbled
         }
     }
+}
+
+/// The motor that sent all of these bytes, in good frames.
+fn only_sender(rest: &OtherBytes) -> Option<MotorId> {
+    let mut senders = rest.replies().map(|received| received.reading.id());
+    let first = senders.next().filter(|_| rest.junk_bytes == 0)?;
+    senders.all(|id| id == first).then_some(first)
 }

@@ -1,10 +1,10 @@
 //! Giving a motor another ID: proved before, verified after, never by accident.
 
 use crate::fixture;
-use crate::fixture::id_changes::{change, is_set_id, more, scanned, set_id};
+use crate::fixture::id_changes::{change, is_set_id, more, outcome, scanned, set_id};
 use crate::fixture::{Fixture, ID, id, ms, rpm};
 use motorlink_bus::{Command, Event, IdChangeOutcome, Refusal, SetIdFrames};
-use motorlink_simulator::{MotorConfig, WorldConfig};
+use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
 #[test]
 fn five_frames_in_a_row_and_then_the_new_id_answers_and_the_old_one_is_silent() {
@@ -85,6 +85,36 @@ fn a_motor_that_was_plugged_in_after_the_scan_is_noticed_before_the_first_frame(
         IdChangeOutcome::NotAlone
     );
     assert!(!fixture.sent.iter().any(is_set_id));
+}
+
+/// A busy computer or adapter holds replies back, or queries.
+#[test]
+fn replies_that_come_late_together_are_not_another_motor() {
+    for stall in (20..300).step_by(20) {
+        for after in (0..1_500).step_by(61) {
+            for holds_replies in [true, false] {
+                let mut fixture = scanned(WorldConfig::default());
+                fixture.command(set_id(ID, 5)).unwrap();
+                fixture.run(ms(after));
+                if holds_replies {
+                    fixture.world.set_faults(WireFaults {
+                        hold: ms(stall),
+                        ..WireFaults::default()
+                    });
+                    fixture.run(ms(stall));
+                    fixture.world.set_faults(WireFaults::default());
+                } else {
+                    fixture.stall(ms(stall));
+                }
+                fixture.run_until(ms(10_000), |fixture| outcome(fixture).is_some());
+                assert_eq!(
+                    outcome(&fixture),
+                    Some(IdChangeOutcome::Changed),
+                    "{stall} ms, {after} ms after the command, of replies: {holds_replies}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

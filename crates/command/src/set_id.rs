@@ -135,7 +135,9 @@ fn why_not(outcome: IdChangeOutcome, from: MotorId, to: AssignableId) -> String 
             format!("neither {from} nor {to} answers: switch the motor off and on, then scan")
         }
         IdChangeOutcome::Both => format!("{from} and {to} both answer: there are two motors"),
-        IdChangeOutcome::NotAlone => "another motor is on the bus: connect one only".to_owned(),
+        IdChangeOutcome::NotAlone => format!(
+            "{from} did not answer alone, so nothing was sent: another motor is on the bus, or replies are lost"
+        ),
         IdChangeOutcome::NotStopped => "a motor did not confirm its stop".to_owned(),
         IdChangeOutcome::Cancelled { frames_sent: 0 } => {
             "cancelled before the first frame".to_owned()

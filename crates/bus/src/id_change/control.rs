@@ -3,8 +3,14 @@
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
-    bus::Bus, id_change::outcome::SetIdFrames, id_change::state::IdChange, job::state::Job,
-    refusal::Refusal, timing::PROOF_LIFETIME,
+    bus::Bus,
+    id_change::{
+        outcome::SetIdFrames,
+        state::{IdChange, UNANSWERED_PAUSE},
+    },
+    job::state::Job,
+    refusal::Refusal,
+    timing::PROOF_LIFETIME,
 };
 
 impl Bus {
@@ -24,7 +30,22 @@ impl Bus {
             return Err(Refusal::NotProvedAlone);
         }
         self.stop_for_job(now);
-        self.job = Some(Job::IdChange(IdChange::begin(now, from, to, frames)));
+        // The last request may still wait in an adapter that stalls.
+        let is_unanswered = self
+            .motors
+            .iter()
+            .any(|motor| motor.unanswered_in_a_row > 0);
+        let first_query = if is_unanswered {
+            now + UNANSWERED_PAUSE
+        } else {
+            now
+        };
+        self.job = Some(Job::IdChange(IdChange::begin(
+            first_query,
+            from,
+            to,
+            frames,
+        )));
         Ok(())
     }
 

@@ -4,6 +4,8 @@
 //! again; then the set-ID frames in a row; then the new ID must answer and the old one must be
 //! silent.
 
+use std::time::Duration;
+
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
@@ -14,8 +16,12 @@ use crate::{
     timing::{ID_PROBE_PERIOD, ID_SETTLE_TIME, SET_ID_PERIOD},
 };
 
-/// Most ID queries before the check fails: a reply may be lost.
+/// Most ID queries before the check fails: a reply may be lost, or late by some hundred milliseconds.
 const CHECKS_MAX: u8 = 5;
+
+/// Time between an unanswered request and the next ID query. An adapter that stalls sends both together, and the replies of one
+/// motor collide like those of two.
+pub(crate) const UNANSWERED_PAUSE: Duration = Duration::from_millis(300);
 
 /// Clean ID queries in a row that are needed: another motor may miss one.
 const CHECKS_WANTED: u8 = 2;
@@ -75,8 +81,9 @@ pub(crate) enum NextAction {
 }
 
 impl IdChange {
+    /// A change whose first ID query is sent at `first_query`.
     pub(crate) const fn begin(
-        now: Instant,
+        first_query: Instant,
         from: MotorId,
         to: AssignableId,
         frames: SetIdFrames,
@@ -86,7 +93,7 @@ impl IdChange {
             to,
             frames,
             step: Step::Checking { asked: 0, clean: 0 },
-            next: now,
+            next: first_query,
         }
     }
 
@@ -126,9 +133,19 @@ impl IdChange {
         }
     }
 
-    /// Result of the ID query.
-    pub(crate) fn id_query_ended(&mut self, outcome: IdQueryOutcome) {
+    /// Result of the ID query. `sender`: the motor that sent all that came.
+    pub(crate) fn id_query_ended(
+        &mut self,
+        now: Instant,
+        outcome: IdQueryOutcome,
+        sender: Option<MotorId>,
+    ) {
         if let Step::Checking { asked, clean } = self.step {
+            if outcome == IdQueryOutcome::NoReply {
+                self.next = now + UNANSWERED_PAUSE;
+            }
+            // Behind a pause of the computer or the adapter, replies to earlier requests come with it.
+            let is_open = outcome == IdQueryOutcome::NoReply || sender == Some(self.from);
             self.step = match outcome {
                 IdQueryOutcome::One(id) if id == self.from && clean + 1 >= CHECKS_WANTED => {
                     Step::Sending { sent: 0 }
@@ -137,7 +154,7 @@ impl IdChange {
                     asked,
                     clean: clean + 1,
                 },
-                IdQueryOutcome::NoReply if asked < CHECKS_MAX => Step::Checking { asked, clean: 0 },
+                _ if is_open && asked < CHECKS_MAX => Step::Checking { asked, clean: 0 },
                 // A collision is another motor, even if the next query brings one clean reply.
                 _ => Step::Done(IdChangeOutcome::NotAlone),
             };

@@ -152,13 +152,19 @@ impl Bus {
         }
     }
 
-    /// Result of the ID query; `took` is the time to its last byte.
-    pub(crate) fn job_id_query_ended(&mut self, outcome: IdQueryOutcome, took: Option<Duration>) {
+    /// Result of the ID query. `sender`: the motor that sent all that came; `took`: the time to the last byte.
+    pub(crate) fn job_id_query_ended(
+        &mut self,
+        now: Instant,
+        outcome: IdQueryOutcome,
+        sender: Option<MotorId>,
+        took: Option<Duration>,
+    ) {
         match &mut self.job {
             Some(Job::Scan(scan)) => {
                 scan.id_query_ended(took.filter(|_| outcome != IdQueryOutcome::NoReply));
             }
-            Some(Job::IdChange(change)) => change.id_query_ended(outcome),
+            Some(Job::IdChange(change)) => change.id_query_ended(now, outcome, sender),
             None => self.raw_checked(outcome),
         }
     }
