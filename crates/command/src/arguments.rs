@@ -234,7 +234,7 @@ pub struct Monitor {
     #[arg(long, num_args = 0..=1, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "absent, without a value, or with one")]
     pub csv: Option<Option<PathBuf>>,
-    /// Whose columns the CSV has: they are the same
+    /// Name of the columns of the CSV: both names mean the same columns
     #[arg(long, requires = "csv", value_parser = ["article", "m0601-cli"])]
     format: Option<String>,
     /// A line of JSON for every reply

@@ -1,7 +1,7 @@
 //! An open line, as every command uses it.
 
 use std::{
-    cell::RefCell,
+    cell::{Cell, RefCell},
     path::Path,
     sync::{
         Arc,
@@ -43,8 +43,8 @@ pub struct Connection {
     log: RefCell<Option<Log>>,
     listener: Option<RefCell<Listener>>,
     is_interrupted: Arc<AtomicBool>,
-    /// Whether the line is opened again for another model that answers.
-    takes_other_model: bool,
+    /// Whether a scan runs, which says by its failure that another model answers.
+    pub is_scanning: Cell<bool>,
 }
 
 /// Takes what happens on a line in place of the terminal.
@@ -92,7 +92,7 @@ impl Connection {
             log: RefCell::new(None),
             listener: None,
             is_interrupted: Arc::default(),
-            takes_other_model: false,
+            is_scanning: Cell::default(),
         })
     }
 
@@ -187,9 +187,9 @@ impl Connection {
         }
         match self.driver.next(within) {
             Next::Entry(at, entry) => {
-                let is_taken = self.takes_other_model
+                let is_said_later = self.is_scanning.get()
                     && matches!(entry, Entry::Event(Event::OtherModel { .. }));
-                if let Some(text) = words::of_entry(&entry).filter(|_| !is_taken) {
+                if let Some(text) = words::of_entry(&entry).filter(|_| !is_said_later) {
                     self.note(text);
                 }
                 self.hear(at, &entry)?;
@@ -297,8 +297,7 @@ pub fn on_line(
             change(options);
             options.model = found.or(options.model);
         })?;
-        connection.takes_other_model = global.model.is_none() && found.is_none();
-        let takes_other_model = connection.takes_other_model;
+        let takes_other_model = global.model.is_none() && found.is_none();
         let worked = work(&mut connection);
         let stopped = connection.end_with(|_| ());
         match worked {

@@ -157,7 +157,7 @@ fn find_motors(connection: &mut Connection, shall_turn: bool) -> Result<bool, Fa
             let noisy = report.noisy.into_iter().take(NOISY_MAX);
             report.found.into_iter().chain(noisy).collect()
         }
-        Err(Failure::Interrupted) => return Err(Failure::Interrupted),
+        Err(failure @ (Failure::Interrupted | Failure::OtherModel(_))) => return Err(failure),
         Err(_) => Vec::new(),
     };
     if watched.is_empty() {

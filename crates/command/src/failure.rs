@@ -80,7 +80,11 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotDone(text) | Self::Usage(text) => f.write_str(text),
-            Self::OtherModel(found) => write!(f, "a {found} answers on this line: name that model"),
+            Self::OtherModel(found) => write!(
+                f,
+                "a {found} answers on this line: open it with the model {}",
+                found.spec().key
+            ),
             Self::Interrupted => f.write_str("interrupted"),
         }
     }

@@ -17,7 +17,7 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
     // Not a number compares false.
     let seconds = seconds.filter(|seconds| (0.0..=MAX).contains(seconds));
     let seconds = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "expected a positive time, at most 86400 seconds".to_owned())
+    seconds.ok_or_else(|| "expected 0 to 86400 seconds".to_owned())
 }
 
 /// A parameter and its values: one, or several with commas between.

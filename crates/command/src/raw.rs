@@ -27,7 +27,7 @@ pub fn run(global: &Global, frame: Frame, yes: bool, ender: &Ender) -> Result<()
     if is_hazardous(&frame) && !yes {
         let model = global.model.unwrap_or_default();
         let meaning = family_terms::sent(model, &frame, None);
-        say(format_args!("{frame} is: {meaning}"));
+        say(format_args!("{frame}, for a {model}: {meaning}"));
         say(format_args!(
             "It may move a wheel or change a motor. A motor that it moves is stopped when this program ends."
         ));

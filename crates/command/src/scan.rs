@@ -44,11 +44,11 @@ fn scan_any(global: &Global, ender: &Ender) -> Result<(ScanReport, Model), Failu
         Model::Ddsm400 => Model::Ddsm115,
         _ => Model::Ddsm400,
     };
-    let (second, ..) = scan_for(global, Some(other), ender)?;
+    let (second, answered_as, _) = scan_for(global, Some(other), ender)?;
     Ok(if second.found.is_empty() {
         (first, model)
     } else {
-        (second, other)
+        (second, answered_as)
     })
 }
 
@@ -79,6 +79,13 @@ fn scan_for(
 /// # Errors
 /// Not every ID was asked.
 pub fn scan(connection: &Connection) -> Result<ScanReport, Failure> {
+    connection.is_scanning.set(true);
+    let scanned = scan_all(connection);
+    connection.is_scanning.set(false);
+    scanned
+}
+
+fn scan_all(connection: &Connection) -> Result<ScanReport, Failure> {
     connection.driver.command(Command::FullScan);
     let shows = connection.shows_progress() && stderr().is_terminal();
     let report = loop {

@@ -140,7 +140,7 @@ fn a_port_that_is_a_file_or_a_folder() {
 
 #[test]
 fn values_that_look_like_flags_or_are_no_numbers() {
-    const TIME: &str = "expected a positive time";
+    const TIME: &str = "expected 0 to 86400 seconds";
     for (line, says) in [
         ("drive velocity 50 --secs -1", TIME),
         ("drive velocity 50 --secs nan", TIME),

@@ -66,6 +66,14 @@ fn lost_replies_are_named_with_their_figures_and_no_wheel_turns_on_such_a_line()
     assert!(lost >= 5 && motor["motor_id"] == 1, "{found}");
 }
 
+/// They reply to the ID query at once, so that only the scan shows their model.
+#[test]
+fn several_motors_of_another_model_are_watched_as_that_model() {
+    let said = Bench::new(&["--model", "ddsm210", "--ids", "1,2"]).run("doctor --secs 6");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(said.out.contains("Bus healthy"), "{said:?}");
+}
+
 #[test]
 fn no_wheel_turns_unless_a_person_agrees() {
     let mut bench = Bench::new(&[]);

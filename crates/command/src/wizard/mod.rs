@@ -108,8 +108,8 @@ impl Line<'_> {
 /// Trying again does not help.
 fn try_again<T: Default>(done: Result<T, Failure>) -> Result<T, Failure> {
     match done {
-        Err(Failure::NotDone(text)) => {
-            say(format_args!("motorlink: {text}"));
+        Err(failure @ (Failure::NotDone(_) | Failure::OtherModel(_))) => {
+            say(format_args!("motorlink: {failure}"));
             Ok(T::default())
         }
         done => done,

@@ -68,7 +68,7 @@ def _whole(name: str, value: Any, most: int = 255) -> int:
 
 def _number(name: str, value: Any) -> float:
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, (str, bytes, bytearray)) else float(value)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
@@ -80,7 +80,7 @@ def _time(name: str, value: Any) -> float:
     """Seconds: at most a year, which every clock holds."""
     seconds = _number(name, value)
     if not 0 <= seconds <= 366 * 86_400:
-        raise InvalidInput(f"{name}: expected a positive time of at most a year, not {value!r}")
+        raise InvalidInput(f"{name}: expected 0 seconds to a year, not {value!r}")
     return seconds
 
 
