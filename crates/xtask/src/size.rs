@@ -52,7 +52,7 @@ const PARTS: [Part; 19] = [
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
     // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 400 the dock.
     // 500 are the rest of the first screen, and a tour that covers no wheel.
-    ("later style", BEHIND, &["later-style-"], 17_400),
+    ("later style", BEHIND, &["later-style-"], 17_500),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
@@ -61,9 +61,9 @@ const PARTS: [Part; 19] = [
     // 3,300 are the virtual motors to try, the wiring and the recording of the first screen, 3,900 the edge, the title and
     // the tabs of the dock.
     // 1,500 are the group Remote of a page that comes from a server. 300 are names and texts that macros derive.
-    ("desk", BEHIND, &["desk"], 151_200),
+    ("desk", BEHIND, &["desk"], 146_500),
     // 1,600 are the cards of a group.
-    ("tools", BEHIND, &["tools"], 67_100),
+    ("tools", BEHIND, &["tools"], 67_700),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep
@@ -90,7 +90,7 @@ const PARTS: [Part; 19] = [
     // exports of the panel Recording, which is a tool, 200 what a start waits for. 900 say why a motor cannot be driven at
     // once, to the drive pad and to a run.
     // 800 are what the cards of a group have in common with the rover.
-    ("shared", BEHIND, &["chunk"], 88_200),
+    ("shared", BEHIND, &["chunk"], 91_700),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.

@@ -40,11 +40,11 @@ pub(crate) fn remembered_tour() -> Tour {
 
 /// Whether the tour is shown now. It is not offered during a replay, which needs the place.
 pub(crate) fn shown(page: Page, tour: RwSignal<Tour>) -> Shown {
-    let shown = tour.with(|tour| tour.shown);
-    if shown == Shown::Offered && page.shown.with(Session::is_recording) {
-        return Shown::No;
+    match tour.with(|tour| tour.shown) {
+        // The first screen has its first steps.
+        Shown::Offered if page.has_no_port() || page.shown.with(Session::is_recording) => Shown::No,
+        shown => shown,
     }
-    shown
 }
 
 /// The actions of the tour, which other features carry out.
@@ -78,12 +78,7 @@ pub(crate) fn TourNotice(
         <div
             class="tour"
             class:asked=dynamic(move || shown() == Shown::Opened)
-            hidden=dynamic(move || match shown() {
-                Shown::No => true,
-                // The first screen has its first steps.
-                Shown::Offered => page.has_no_port(),
-                Shown::Opened => false,
-            })
+            hidden=dynamic(move || shown() == Shown::No)
             inner_html=markup()
         ></div>
     }

@@ -1,7 +1,7 @@
 //! The figures of the group, in the places of those of a motor.
 
 use leptos::prelude::*;
-use motorlink_i18n::tr;
+use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::experiments::vehicle::{Motion, Wheel};
 use web_sys::Element;
 
@@ -13,7 +13,7 @@ use crate::{
         trip::Trip,
     },
     model::{
-        place::Place,
+        heat::Band,
         snapshot::{Reading, Session},
     },
     ui::{
@@ -22,15 +22,16 @@ use crate::{
     },
 };
 
+/// The class of the last card.
+const TEMPERATURE: &str = "panel read-out temperature";
 /// Where the cards are, in the region `Telemetry`.
 const CARDS: &str = ".telemetry > .late";
-/// In whose place they are: the cards of a motor, and the figures below the drawing.
-const OTHERS: [&str; 5] = [
+/// In whose place they are. Where they hide the figures below the drawing, style/later/46-rover.css says.
+const OTHERS: [&str; 4] = [
     ".telemetry > .speed",
     ".telemetry > .current",
     ".telemetry > .position",
     ".telemetry > .temperature",
-    ".rover-figures",
 ];
 
 /// Shows the cards of the group while `Group` is chosen in Drive, and it is a vehicle.
@@ -38,25 +39,33 @@ pub(crate) fn show(rover: Rover) {
     let page = rover.page;
     effect(move || {
         page.shown.track();
-        let is_chosen = page.group.get() & (page.place() == Place::Drive);
-        let vehicle = if is_chosen { rover.vehicle() } else { None };
+        let vehicle = if page.shows_group() {
+            rover.vehicle()
+        } else {
+            None
+        };
         let Some(cards) = cards() else { return };
         hide(&cards, vehicle.is_none());
         for other in OTHERS.into_iter().filter_map(find) {
             hide(&other, vehicle.is_some());
         }
         if let Some(vehicle) = vehicle {
-            let session = page.present();
-            let wheels = vehicle.wheels();
-            let speed = |wheel: &Wheel| speeds(&session, wheel.id).measured;
-            let rpm: Vec<_> = wheels.iter().map(speed).collect();
-            let motion = Motion::of(&vehicle, rover.geometry.get_untracked(), &rpm);
-            let way = |trip: &Trip| (trip.driven_mm(), trip.pose().heading_deg);
-            let figures = figures(&session, wheels, motion, rover.trip.with_value(way));
-            for (place, text) in (0..).zip(figures) {
+            rover.follow(&vehicle);
+            let figures = page.shown.with(|session| {
+                let wheels = vehicle.wheels();
+                let speed = |wheel: &Wheel| speeds(session, wheel.id).measured;
+                let rpm: Vec<_> = wheels.iter().map(speed).collect();
+                let motion = Motion::of(&vehicle, rover.geometry.get_untracked(), &rpm);
+                let way = |trip: &Trip| (trip.driven_mm(), trip.pose().heading_deg);
+                figures(session, wheels, motion, rover.trip.with_value(way))
+            });
+            for (place, text) in (0..).zip(figures.texts) {
                 if let Some(words) = cards.get_elements_by_tag_name("bdi").item(place) {
                     words.set_text_content(Some(&text));
                 }
+            }
+            if let Some(temperature) = cards.last_element_child() {
+                temperature.set_class_name(&[TEMPERATURE, figures.heat].concat());
             }
         }
     });
@@ -87,13 +96,13 @@ fn cards() -> Option<Element> {
 fn markup() -> String {
     let mut html = String::new();
     for (class, name, unit) in [
-        ("speed", tr!("Forward" as "motion"), " m/s"),
-        ("current", tr!("Current" as "electric"), " A"),
-        ("position", tr!("Heading"), "°"),
-        ("temperature", tr!("Temperature"), " °C"),
+        ("panel read-out speed", tr!("Forward" as "motion"), " m/s"),
+        ("panel read-out current", tr!("Current" as "electric"), " A"),
+        ("panel read-out position", tr!("Heading"), "°"),
+        (TEMPERATURE, tr!("Temperature"), " °C"),
     ] {
         for part in [
-            "<div class=\"panel read-out ",
+            "<div class=\"",
             class,
             "\"><div class=\"read-out-head\"><span class=\"read-out-name\" aria-hidden=\"true\">",
             name,
@@ -109,51 +118,64 @@ fn markup() -> String {
     html
 }
 
-/// Figure and detail of each card. The signs are those of the operator, and unknown is not zero: neither is a sum of
-/// which one part is unknown, or whose scale is.
+/// What the cards show.
+#[derive(Debug)]
+struct Shown {
+    /// Figure and detail of each card.
+    texts: [String; 8],
+    /// The look of the temperature, as a class.
+    heat: &'static str,
+}
+
+/// The signs are those of the operator. Unknown is not zero: neither is the whole of which one part is unknown, or a
+/// current whose scale is. The current is what all motors draw: those of a turn on the spot do not cancel out.
 fn figures(
     session: &Session,
     wheels: &[Wheel],
     motion: Option<Motion>,
     (driven_mm, heading_deg): (f64, f64),
-) -> [String; 8] {
-    let (mut amps, mut is_known) = (0.0, session.is_current_certain());
-    let mut hottest = None;
-    for wheel in wheels {
-        match session.current(wheel.id).filter(Reading::is_fresh) {
-            Some(reading) => amps += reading.value.amps(),
-            None => is_known = false,
-        }
-        if let Some(reading) = session.temperature(wheel.id)
-            && hottest.is_none_or(|(highest, _)| reading.value > highest)
-        {
-            hottest = Some((reading.value, wheel));
-        }
-    }
-    let unknown = || UNKNOWN.to_owned();
-    let current = if is_known {
-        format::signed_decimal(amps, 2)
-    } else {
-        unknown()
+) -> Shown {
+    let amps = |wheel: &Wheel| {
+        let reading = session.current(wheel.id).filter(Reading::is_fresh)?;
+        Some(reading.value.amps().abs())
     };
-    let (temperature, whose) = match hottest {
-        Some((value, wheel)) => (
-            value.degrees().to_string(),
+    let amps: Option<f32> = wheels.iter().map(amps).sum();
+    let amps = amps.filter(|_| session.is_current_certain());
+    let heat = |wheel: &Wheel| session.temperature(wheel.id);
+    let heats: Option<Vec<_>> = wheels.iter().map(heat).collect();
+    let heats = heats.unwrap_or_default();
+    // Of several, the first.
+    let hottest = heats.iter().zip(wheels).rev();
+    let hottest = hottest.max_by_key(|(reading, _)| reading.value);
+    let (temperature, whose, band) = match hottest {
+        Some((reading, wheel)) => (
+            reading.value.degrees().to_string(),
             [&wheel.id.to_string(), " ", &wheel.name].concat(),
+            Band::of(reading.value),
         ),
-        None => (unknown(), String::new()),
+        None => (UNKNOWN.to_owned(), String::new(), Band::Normal),
+    };
+    let heat = match band {
+        _ if !heats.iter().all(Reading::is_fresh) => " stale",
+        Band::Normal => "",
+        Band::Warm => " warm",
+        Band::Hot => " bad",
     };
     let said = Figures::new(motion, driven_mm, heading_deg);
-    [
+    let texts = [
         texts::forward(motion),
         [tr!("Driven"), " ", &said.driven].concat(),
-        current,
-        tr!("sum of {count}", count = wheels.len()),
+        amps.map_or_else(
+            || UNKNOWN.to_owned(),
+            |amps| in_language(format::fixed(amps, 2)),
+        ),
+        tr!("sum of {count} motors", count = wheels.len()),
         texts::heading(heading_deg),
         [tr!("Turn"), " ", &said.turn].concat(),
         temperature,
         whose,
-    ]
+    ];
+    Shown { texts, heat }
 }
 
 #[cfg(test)]
@@ -185,7 +207,7 @@ mod tests {
         (session.with_mirroring(&names), names)
     }
 
-    fn said(session: &Session, names: &NamesAndSides, motion: Option<Motion>) -> [String; 8] {
+    fn said(session: &Session, names: &NamesAndSides, motion: Option<Motion>) -> Shown {
         let vehicle = vehicle_of(names).unwrap();
         figures(session, vehicle.wheels(), motion, (3_421.0, 71.2))
     }
@@ -198,12 +220,12 @@ mod tests {
             turn_deg_per_s: 0.0,
         };
         assert_eq!(
-            said(&session, &names, Some(motion)),
+            said(&session, &names, Some(motion)).texts,
             [
                 "+0.53",
                 "Driven 3.42 m",
-                "+0.05",
-                "sum of 2",
+                "0.05",
+                "sum of 2 motors",
                 "71",
                 "Turn 0 °/s",
                 "80",
@@ -213,22 +235,32 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_without_one_of_its_parts_is_unknown() {
+    fn a_whole_without_one_of_its_parts_is_unknown() {
         let (mut session, names) = pair();
         session.motors[1].current = None;
         session.motors[1].temperature = None;
         assert_eq!(
-            said(&session, &names, None),
+            said(&session, &names, None).texts,
             [
                 "–",
                 "Driven 3.42 m",
                 "–",
-                "sum of 2",
+                "sum of 2 motors",
                 "71",
                 "Turn – °/s",
-                "33",
-                "0x01 ",
+                "–",
+                "",
             ]
         );
+    }
+
+    #[test]
+    fn the_currents_of_a_turn_on_the_spot_do_not_cancel_out_and_heat_is_seen() {
+        let (mut session, names) = pair();
+        let forward = said(&session, &names, None);
+        assert_eq!(forward.heat, " bad");
+        session.motors[1].current = session.motors[0].current;
+        let turning = said(&session.with_mirroring(&names), &names, None);
+        assert_eq!(turning.texts[2], forward.texts[2]);
     }
 }
