@@ -2,7 +2,7 @@
 
 use motorlink::Preferences;
 use motorlink_messages::{
-    Adapter, ToPage, ToWorker, VirtualLine, VirtualMotors, VirtualWire, bus::Activity,
+    Adapter, LineCondition, ToPage, ToWorker, VirtualLine, VirtualMotors, bus::Activity,
     protocol::Mode,
 };
 use wasm_bindgen::JsCast;
@@ -62,7 +62,7 @@ async fn a_card_connects_its_motors_and_the_first_screen_goes() {
     assert!(bench.received().await.contains(&rover));
     bench.click("Faulty cable");
     let one = ToWorker::ConnectVirtual(line(VirtualMotors::One));
-    let fault = ToWorker::VirtualWire(VirtualWire::NoiseGrowsWithSpeed);
+    let fault = ToWorker::VirtualWire(LineCondition::NoiseGrowsWithSpeed);
     let received = bench.received().await;
     assert!(received.contains(&one), "{received:?}");
     assert!(!received.contains(&fault), "no cable is there yet");

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use js_sys::{Function, Reflect};
 use motorlink_messages::{
-    Adapter, Connection, ToWorker, VirtualWire,
+    Adapter, Connection, LineCondition, ToWorker,
     bus::{Counters, LineStatus, RoundTripStatus, Sample},
     protocol::{Current, Detail, Faults, Mode, MotorId, Position, Reply, Rpm},
 };
@@ -96,7 +96,7 @@ async fn the_virtual_wire_is_chosen_and_a_real_one_is_not() {
     wire().dispatch_event(&change).unwrap();
     let received = bench.received().await;
     assert!(
-        received.contains(&ToWorker::VirtualWire(VirtualWire::SharedId)),
+        received.contains(&ToWorker::VirtualWire(LineCondition::SharedId)),
         "{received:?}"
     );
     assert_eq!(wire().value(), "3");

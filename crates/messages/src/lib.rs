@@ -22,7 +22,6 @@ pub mod runs;
 pub mod sessions;
 pub mod stored_state;
 mod virtual_line;
-mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
 pub use awake_clock::AwakeClock;
@@ -30,9 +29,9 @@ pub use left_behind::{Damaged, LeftBehind, NamedInFile};
 pub use motorlink_bus as bus;
 pub use motorlink_experiments as experiments;
 pub use motorlink_protocol as protocol;
+pub use motorlink_simulator::LineCondition;
 pub use outbox::Outbox;
 pub use virtual_line::{VirtualLine, VirtualMotors};
-pub use virtual_wire::VirtualWire;
 
 /// From the page to its worker.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,7 +72,7 @@ pub enum ToWorker {
         page_ms: f64,
     },
     /// Make the virtual line ill in one way, or well. Starts no motion; nothing on a real line.
-    VirtualWire(VirtualWire),
+    VirtualWire(LineCondition),
     /// A message to the run of an experiment.
     Run {
         /// A [`ToRun`](runs::ToRun).
@@ -417,7 +416,7 @@ mod tests {
             samples: vec![],
             notices: vec![Notice::StopEnded(report)],
         }));
-        for wire in VirtualWire::ALL {
+        for wire in LineCondition::ALL {
             round_trip(&ToWorker::VirtualWire(*wire));
         }
         for motors in VirtualMotors::ALL {

@@ -22,6 +22,7 @@ const STRANGER: u8 = 7;
 
 /// A healthy line, or one injected fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, VariantArray)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LineCondition {
     /// Healthy.
     #[default]

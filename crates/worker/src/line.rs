@@ -1,6 +1,6 @@
 //! The line: a serial port or the virtual bus.
 
-use motorlink_messages::{Adapter, VirtualLine, VirtualWire};
+use motorlink_messages::{Adapter, VirtualLine};
 use motorlink_port::Written;
 use motorlink_protocol::{Frame, Instant, MotorId, family::Model};
 use motorlink_simulator::{LineCondition, World, WorldConfig};
@@ -41,9 +41,9 @@ impl Line {
     }
 
     /// Injects a fault into the virtual line, or removes it. Does nothing to a real one.
-    pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
+    pub(crate) fn set_wire(&mut self, now: Instant, wire: LineCondition) {
         if let Self::Virtual(_, world) = self {
-            world.set_line_condition(now, line_condition(wire));
+            world.set_line_condition(now, wire);
         }
     }
 }
@@ -74,17 +74,5 @@ impl motorlink_port::Line for Line {
             Self::Serial(_) => None,
             Self::Virtual(_, world) => world.next_event(),
         }
-    }
-}
-
-const fn line_condition(wire: VirtualWire) -> LineCondition {
-    match wire {
-        VirtualWire::Good => LineCondition::Good,
-        VirtualWire::Dead => LineCondition::Dead,
-        VirtualWire::EchoOnly => LineCondition::EchoOnly,
-        VirtualWire::SharedId => LineCondition::SharedId,
-        VirtualWire::NoiseGrowsWithSpeed => LineCondition::NoiseGrowsWithSpeed,
-        VirtualWire::HoldsBytes => LineCondition::HoldsBytes,
-        VirtualWire::Stranger => LineCondition::Stranger,
     }
 }

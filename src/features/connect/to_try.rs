@@ -3,7 +3,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{ToWorker, VirtualMotors, VirtualWire};
+use motorlink_messages::{LineCondition, ToWorker, VirtualMotors};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Element, Event, HtmlInputElement, MouseEvent};
 
@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// The fault of the card `Faulty cable`: it appears when the wheel turns.
-const FAULT: VirtualWire = VirtualWire::NoiseGrowsWithSpeed;
+const FAULT: LineCondition = LineCondition::NoiseGrowsWithSpeed;
 
 /// The value of its button. Those of the other cards are the keys of their motors.
 const FAULTY: &str = "cable";
@@ -52,7 +52,7 @@ pub(crate) fn ToTry(
         }
         if is_virtual && breaks_next.get_value() {
             breaks_next.set_value(false);
-            let place = VirtualWire::ALL.iter().position(|wire| *wire == FAULT);
+            let place = LineCondition::ALL.iter().position(|wire| *wire == FAULT);
             virtual_wire.set_value(place.unwrap_or_default());
             page.post(&ToWorker::VirtualWire(FAULT));
         }

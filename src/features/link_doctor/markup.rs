@@ -5,7 +5,7 @@ use motorlink_diagnosis::{
     texts::{cause, remedy, some_lost, too_little, well},
 };
 use motorlink_i18n::tr;
-use motorlink_messages::VirtualWire;
+use motorlink_messages::LineCondition;
 
 use crate::features::link_doctor::texts::{self, no_virtual_wire, of_diagnosis};
 
@@ -78,7 +78,7 @@ pub(crate) fn panel() -> String {
     let mut html = head();
     push(&mut html, &[no_virtual_wire(), "\">"]);
     // The value of each is its place.
-    for (place, wire) in VirtualWire::ALL.iter().enumerate() {
+    for (place, wire) in LineCondition::ALL.iter().enumerate() {
         let (place, name) = (place.to_string(), texts::wire(*wire));
         push(
             &mut html,
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn every_wire_can_be_chosen_and_every_figure_has_its_place() {
         let html = panel();
-        assert_eq!(html.matches("<option").count(), VirtualWire::ALL.len());
+        assert_eq!(html.matches("<option").count(), LineCondition::ALL.len());
         assert!(html.contains("<option value=\"2\">Echo only</option>"));
         for selector in FIGURES {
             let place = match selector.strip_prefix('.') {

@@ -5,7 +5,7 @@
 use leptos::{html, prelude::*};
 use motorlink_diagnosis::{Line, Record, texts::judged as words_of};
 use motorlink_i18n::tr;
-use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
+use motorlink_messages::{Adapter, Connection, LineCondition, ToWorker};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use crate::{
@@ -41,7 +41,7 @@ pub(crate) fn LinkPanel(
     });
     let rewire = move |event| {
         let place: Option<usize> = event_target_value(&event).parse().ok();
-        if let Some(wire) = place.and_then(|place| VirtualWire::ALL.get(place)) {
+        if let Some(wire) = place.and_then(|place| LineCondition::ALL.get(place)) {
             rewired.set_value(true);
             virtual_wire.set_value(place.unwrap_or_default());
             page.post(&ToWorker::VirtualWire(*wire));

@@ -2,7 +2,7 @@
 
 use motorlink_diagnosis::{Diagnosis, texts::Advice};
 use motorlink_i18n::tr;
-use motorlink_messages::VirtualWire;
+use motorlink_messages::LineCondition;
 
 use crate::model::{help_topic::HelpTopic, later_notices::choose_another_port, scan_texts::wiring};
 
@@ -28,15 +28,15 @@ pub(crate) fn no_virtual_wire() -> &'static str {
 }
 
 /// The virtual lines by name.
-pub(crate) fn wire(wire: VirtualWire) -> &'static str {
+pub(crate) fn wire(wire: LineCondition) -> &'static str {
     match wire {
-        VirtualWire::Good => tr!("None"),
-        VirtualWire::Dead => tr!("No replies"),
-        VirtualWire::EchoOnly => tr!("Echo only"),
-        VirtualWire::SharedId => tr!("Two motors share ID 1"),
-        VirtualWire::NoiseGrowsWithSpeed => tr!("CRC errors rising with speed"),
-        VirtualWire::HoldsBytes => tr!("Adapter delay of 16 ms"),
-        VirtualWire::Stranger => tr!("Foreign frames"),
+        LineCondition::Good => tr!("None"),
+        LineCondition::Dead => tr!("No replies"),
+        LineCondition::EchoOnly => tr!("Echo only"),
+        LineCondition::SharedId => tr!("Two motors share ID 1"),
+        LineCondition::NoiseGrowsWithSpeed => tr!("CRC errors rising with speed"),
+        LineCondition::HoldsBytes => tr!("Adapter delay of 16 ms"),
+        LineCondition::Stranger => tr!("Foreign frames"),
     }
 }
 

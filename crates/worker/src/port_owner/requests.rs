@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
-use motorlink_messages::{Notice, VirtualWire};
+use motorlink_messages::{LineCondition, Notice};
 use motorlink_port::{NotDone, PortControl};
 use motorlink_protocol::MotorId;
 
@@ -96,7 +96,7 @@ impl PortOwner {
     }
 
     /// Injects a fault into the virtual line, or removes it. The bus is not told, as on a real line.
-    pub(crate) fn set_virtual_wire(&mut self, wire: VirtualWire) {
+    pub(crate) fn set_virtual_wire(&mut self, wire: LineCondition) {
         let now = self.now();
         let PortState::Open(open) = &mut self.port else {
             return;
@@ -104,7 +104,7 @@ impl PortOwner {
         if open.host.line.adapter().virtual_line().is_none() {
             return;
         }
-        if wire == VirtualWire::SharedId {
+        if wire == LineCondition::SharedId {
             // The second motor obeys the frames of the first, but the user started only the first. So the
             // next frame on the line is the brake.
             let left_alone =
