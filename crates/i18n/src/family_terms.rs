@@ -1,9 +1,7 @@
 //! The explanation of a frame of any model, in the current language.
-//!
-//! Separate frames of the family; combined ones are explained by [`terms::explained`].
 
 use motorlink_protocol::{
-    Drive, Frame, Layout, Mode, OpenLoopTarget, Position, explain_received, explain_sent,
+    Drive, Frame, Layout, Mode, OpenLoopTarget, Position,
     family::{
         DriveReading, ModeReading, Model, Odometry, Reading, ReadingError, Request, RequestError,
     },
@@ -17,16 +15,16 @@ use crate::{
 /// What a frame asks of motors of this model. `mode` is the loop in which the motor reads a drive value, if known.
 #[must_use]
 pub fn sent(model: Model, frame: &Frame, mode: Option<Mode>) -> String {
-    if !model.has_separate_frames() {
-        return terms::explained(explain_sent(frame, mode));
-    }
     let request = Request::parse(model, frame).or_else(|error| {
         let id = motorlink_protocol::Request::set_id_of(frame).ok_or(error)?;
         Ok(Request::SetId { id })
     });
     match request {
         Ok(Request::Drive { drive, .. }) => driven(model, drive, mode),
-        Ok(Request::Query { .. }) => tr!("odometry query").to_owned(),
+        Ok(Request::Query { .. }) if model.has_separate_frames() => {
+            tr!("odometry query").to_owned()
+        }
+        Ok(Request::Query { .. }) => tr!("feedback query").to_owned(),
         Ok(Request::ModeQuery { .. }) => tr!("mode query").to_owned(),
         Ok(Request::SwitchMode { mode, .. }) => {
             tr!("switch to the {mode}", mode = terms::mode(mode))
@@ -80,11 +78,8 @@ fn speed(model: Model, value: i16) -> String {
 /// What a motor of this model has answered. `asked` is the layout of a combined reply, if it is certain.
 #[must_use]
 pub fn received(model: Model, frame: &Frame, asked: Option<Layout>) -> String {
-    if !model.has_separate_frames() {
-        return terms::explained(explain_received(frame, asked));
-    }
     let (said, faults) = match Reading::decode(model, frame, asked.map(Into::into)) {
-        Ok(Reading::Combined(_)) => return terms::explained(explain_received(frame, asked)),
+        Ok(Reading::Combined(reply)) => return terms::received(&reply),
         Ok(Reading::Drive(reading)) => (drive_reply(model, reading), reading.faults),
         Ok(Reading::Odometry(odometry)) => (odometry_reply(odometry), odometry.faults),
         Ok(Reading::Mode(reading)) => return mode_reply(model, reading),

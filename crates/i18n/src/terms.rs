@@ -2,8 +2,8 @@
 //! programs; the English here is the same.
 
 use motorlink_protocol::{
-    Current, Detail, Drive, Explained, Fault, Faults, Mode, MotorIdError, NotAssignable,
-    OpenLoopTarget, Position, Reply, ReplyError, Request, RequestError, Rpm, UnknownMode,
+    Fault, Faults, Mode, MotorIdError, NotAssignable, Reply, ReplyError, RequestError, Rpm,
+    UnknownMode,
 };
 
 use crate::{current_language, tr};
@@ -91,80 +91,22 @@ pub fn not_assignable(NotAssignable: NotAssignable) -> &'static str {
     tr!("200 (0xC8) is reserved for the ID query: use another ID.")
 }
 
-/// The explanation of a frame.
-#[must_use]
-pub fn explained(explained: Explained) -> String {
-    match explained {
-        Explained::Sent {
-            request: Ok(request),
-            mode,
-        } => sent(request, mode),
-        Explained::Sent {
-            request: Err(error),
-            ..
-        } => no_request(error),
-        Explained::Received(Ok(reply)) => received(&reply),
-        Explained::Received(Err(error)) => no_reply(error),
-    }
-}
-
-fn sent(request: Request, loop_of: Option<Mode>) -> String {
-    match request {
-        Request::Drive { drive, .. } => driven(drive, loop_of),
-        Request::Query { .. } => tr!("feedback query").to_owned(),
-        Request::SwitchMode { mode, .. } => tr!("switch to the {mode}", mode = self::mode(mode)),
-        Request::IdQuery => tr!("ID query to all motors").to_owned(),
-        Request::SetId { id } => tr!("set ID {id} on all motors", id = id.id()),
-        Request::Raw(frame) => frame.to_string(),
-    }
-}
-
-fn driven(drive: Drive, mode: Option<Mode>) -> String {
-    let driven = match mode {
-        None => tr!("drive, value {value}", value = drive.signed()),
-        Some(Mode::Velocity) if drive.brakes() => tr!("drive, brake").to_owned(),
-        Some(Mode::Velocity) => tr!("drive {goal}", goal = speed(Rpm::new(drive.signed()))),
-        Some(Mode::OpenLoop) => tr!(
-            "drive {goal}",
-            goal = in_language(OpenLoopTarget::nearest(drive.signed()).to_string())
-        ),
-        Some(Mode::Current) => tr!(
-            "drive {goal}",
-            goal = in_language(Current::from_raw(drive.signed()).to_string())
-        ),
-        Some(Mode::Position) => tr!(
-            "drive to {goal}",
-            goal = in_language(Position::from_raw(drive.unsigned()).to_string())
-        ),
-    };
-    match (mode, drive.acceleration.byte()) {
-        (Some(Mode::Velocity) | None, units @ 1..) => {
-            tr!("{driven}, accel {units}", driven, units)
-        }
-        _ => driven,
-    }
-}
-
-fn received(reply: &Reply) -> String {
-    let (temperature, position) = match reply.detail {
-        Detail::Drive { position } | Detail::Odometry { position, .. } => {
-            (None, Some(position.to_string()))
-        }
-        Detail::Query {
-            temperature,
-            position,
-        } => (Some(temperature), Some(position.to_string())),
-        Detail::Undetermined(_) => (None, None),
-        Detail::Temperature(temperature) => (Some(temperature), None),
-    };
+/// What a combined reply says.
+pub(crate) fn received(reply: &Reply) -> String {
     // What is unknown is left out.
     let parts = [
         reply.speed.map(speed),
         reply
             .current
             .map(|current| in_language(current.to_string())),
-        temperature.map(|temperature| temperature.to_string()),
-        position.map(in_language),
+        reply
+            .detail
+            .temperature()
+            .map(|temperature| temperature.to_string()),
+        reply
+            .detail
+            .angle()
+            .map(|angle| in_language(angle.to_string())),
         (reply.mode != Mode::Velocity).then(|| mode(reply.mode).to_owned()),
     ];
     let mut said = String::new();

@@ -1,18 +1,18 @@
 //! The frames of the protocol card: the last of each kind between the page and the selected motor.
 
-use motorlink_i18n::terms;
+use motorlink_i18n::family_terms;
 use motorlink_messages::{
     bus::Activity,
-    protocol::{
-        Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, explain_received,
-        explain_sent,
-    },
+    protocol::{Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, family::Model},
 };
 
 use crate::model::snapshot::Session;
 
 /// The names of the kinds of frames in the help's files, in the order of [`LineCard::frames`].
 pub(crate) const KINDS: [&str; 5] = ["drive", "query", "mode", "drive-reply", "query-reply"];
+
+/// The card shows the frames of this model and its like.
+const COMBINED: Model = Model::Ddsm115;
 
 /// The last frames of the selected motor. Replies have the signs of the wire, so their frames are exact; requests
 /// are rebuilt from the state of the bus.
@@ -57,13 +57,13 @@ impl LineCard {
     pub(crate) fn frames(&self) -> [Option<(String, String)>; 5] {
         let sent = |request: Request, mode| {
             let frame = request.frame();
-            (frame, terms::explained(explain_sent(&frame, mode)))
+            (frame, family_terms::sent(COMBINED, &frame, mode))
         };
         let reply_row = |reply: Reply, layout| {
             let frame = reply.frame();
             (
                 frame,
-                terms::explained(explain_received(&frame, Some(layout))),
+                family_terms::received(COMBINED, &frame, Some(layout)),
             )
         };
         let of = |id: MotorId| {
