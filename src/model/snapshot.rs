@@ -8,10 +8,7 @@ use motorlink_messages::{
         Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, StopOutcome,
         StopReason, is_hazardous,
     },
-    protocol::{
-        Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
-        Rpm,
-    },
+    protocol::{Angle, Celsius, Current, Faults, Instant, Mode, MotorId, Reply, Rpm},
 };
 
 use crate::model::{mirror::Mirror, names_and_sides::NamesAndSides};
@@ -71,24 +68,6 @@ impl<T> Reading<T> {
         Reading {
             value: read(self.value),
             age: self.age,
-        }
-    }
-}
-
-/// An angle in its known resolution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Angle {
-    /// From a drive reply.
-    Fine(Position),
-    /// From a query reply.
-    Coarse(CoarsePosition),
-}
-
-impl Angle {
-    pub(crate) fn degrees(self) -> f32 {
-        match self {
-            Self::Fine(position) => position.degrees(),
-            Self::Coarse(position) => position.degrees(),
         }
     }
 }
@@ -328,16 +307,14 @@ impl Session {
             value: Angle::Fine(position),
             age: self.now.since(at),
         });
-        let coarse = self
-            .last_reply(id)
-            .and_then(|reading| match reading.value.detail {
-                Detail::Query { position, .. } => Some(reading.map(|_| Angle::Coarse(position))),
-                _ => None,
-            });
-        match (fine, coarse) {
+        let last = self.last_reply(id).and_then(|reading| {
+            let angle = reading.value.detail.angle()?;
+            Some(reading.map(|_| angle))
+        });
+        match (fine, last) {
             (Some(fine), _) if fine.is_fresh() => Some(fine),
-            (Some(fine), Some(coarse)) if fine.age <= coarse.age => Some(fine),
-            (fine, coarse) => coarse.or(fine),
+            (Some(fine), Some(last)) if fine.age <= last.age => Some(fine),
+            (fine, last) => last.or(fine),
         }
     }
 }

@@ -3,7 +3,7 @@
 use motorlink_messages::{
     Adapter,
     bus::{Counters, LinkQuality, Sample, StopReport},
-    protocol::{Setpoint, SpeedTarget},
+    protocol::{CoarsePosition, Detail, Position, Setpoint, SpeedTarget},
 };
 
 use super::*;

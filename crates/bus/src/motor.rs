@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Celsius, Current, Detail, Instant, Mode, MotorId, Position, Reply, Rpm, family::Model,
+    Celsius, Current, Instant, Mode, MotorId, Position, Reply, Rpm, family::Model,
 };
 
 use crate::{
@@ -179,15 +179,11 @@ impl Motor {
         self.turns.record(at, &reply);
         self.speed = reply.speed.map(|speed| (at, speed)).or(self.speed);
         self.current = reply.current.map(|current| (at, current)).or(self.current);
-        match reply.detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                self.position = Some((at, position));
-            }
-            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
-                self.temperature = Some((at, temperature));
-            }
-            Detail::Undetermined(_) => {}
-        }
+        let (position, temperature) = (reply.detail.fine(), reply.detail.temperature());
+        self.position = position.map(|position| (at, position)).or(self.position);
+        self.temperature = temperature
+            .map(|temperature| (at, temperature))
+            .or(self.temperature);
         self.tells(at)
     }
 

@@ -2,7 +2,7 @@
 
 use motorlink_bus::{FRESH_FOR, MotorStatus};
 use motorlink_driver::Ender;
-use motorlink_protocol::{Celsius, Current, Detail, Fault, Instant, family::Model};
+use motorlink_protocol::{Angle, Celsius, Current, Fault, Instant, family::Model};
 use serde_json::{Value, json};
 
 use crate::{
@@ -84,11 +84,7 @@ fn to_json(model: Model, motor: &MotorStatus, now: Instant, signed: SignedId) ->
     let current = motor.current.filter(|(at, _)| now.since(*at) <= FRESH_FOR);
     let current = current.map(|(_, current)| signed.mirror.current(current));
     let is_certain = model.spec().current.is_certain();
-    let angle = reply.and_then(|reply| match reply.detail {
-        Detail::Drive { position } | Detail::Odometry { position, .. } => Some(position.degrees()),
-        Detail::Query { position, .. } => Some(position.degrees()),
-        Detail::Temperature(_) | Detail::Undetermined(_) => None,
-    });
+    let angle = reply.and_then(|reply| reply.detail.angle());
     json!({
         "id": signed.id.get(),
         "is_mirrored": signed.mirror.is_mirrored(),
@@ -97,7 +93,7 @@ fn to_json(model: Model, motor: &MotorStatus, now: Instant, signed: SignedId) ->
         "speed_rpm": values.speed_rpm,
         "current_a": current.filter(|_| is_certain).map(Current::amps),
         "current_raw": current.map(Current::raw),
-        "angle_deg": angle,
+        "angle_deg": angle.map(Angle::degrees),
         "temperature_c": fresh_temperature(motor, now).map(Celsius::degrees),
         "fault_code": reply.map(|reply| reply.faults.byte()),
         "faults": reply.map(|reply| reply.faults.iter().map(Fault::name).collect::<Vec<_>>()),

@@ -109,21 +109,14 @@ fn received(f: &mut fmt::Formatter<'_>, reply: &Reply) -> fmt::Result {
     if let Some(current) = reply.current {
         part(&current)?;
     }
-    match reply.detail {
-        Detail::Drive { position } => part(&position)?,
-        Detail::Query {
-            temperature,
-            position,
-        } => {
-            part(&temperature)?;
-            part(&position)?;
-        }
-        Detail::Undetermined(_) => {}
-        Detail::Temperature(temperature) => part(&temperature)?,
-        Detail::Odometry { turns, position } => {
-            part(&format_args!("{turns} turns"))?;
-            part(&position)?;
-        }
+    if let Some(temperature) = reply.detail.temperature() {
+        part(&temperature)?;
+    }
+    if let Detail::Odometry { turns, .. } = reply.detail {
+        part(&format_args!("{turns} turns"))?;
+    }
+    if let Some(angle) = reply.detail.angle() {
+        part(&angle)?;
     }
     if reply.mode != Mode::Velocity {
         write!(f, ", {}", reply.mode)?;

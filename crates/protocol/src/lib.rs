@@ -35,7 +35,7 @@ pub use explain::{Explained, explain_received, explain_sent};
 pub use fault::Fault;
 pub use faults::Faults;
 pub use frame::{FRAME_AIRTIME, FRAME_LEN, Frame, FrameParseError};
-pub use measured::{Celsius, CoarsePosition, Current, Position, Rpm, Scaled};
+pub use measured::{Angle, Celsius, CoarsePosition, Current, Position, Rpm, Scaled};
 pub use mode::{Mode, UnknownMode};
 pub use motor_id::{AssignableId, MotorId, MotorIdError, NotAssignable};
 pub use reply::{Detail, Layout, Reply, ReplyError};

@@ -146,6 +146,26 @@ impl CoarsePosition {
     }
 }
 
+/// The angle of a reply, as fine as it is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Angle {
+    /// Of a drive or odometry reply.
+    Fine(Position),
+    /// Of a query reply.
+    Coarse(CoarsePosition),
+}
+
+impl Angle {
+    /// Degrees, 0 to 360.
+    #[must_use]
+    pub fn degrees(self) -> f32 {
+        match self {
+            Self::Fine(position) => position.degrees(),
+            Self::Coarse(position) => position.degrees(),
+        }
+    }
+}
+
 /// Winding temperature in degrees Celsius, 0-255.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -244,6 +264,16 @@ impl fmt::Display for Position {
 impl fmt::Display for CoarsePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}°", self.scaled())
+    }
+}
+
+/// `66.96°` or `347.3°`
+impl fmt::Display for Angle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fine(position) => position.fmt(f),
+            Self::Coarse(position) => position.fmt(f),
+        }
     }
 }
 

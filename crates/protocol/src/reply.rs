@@ -5,7 +5,7 @@ use core::fmt;
 use crate::{
     faults::Faults,
     frame::Frame,
-    measured::{Celsius, CoarsePosition, Current, Position, Rpm},
+    measured::{Angle, Celsius, CoarsePosition, Current, Position, Rpm},
     mode::{Mode, UnknownMode},
     motor_id::{MotorId, MotorIdError},
 };
@@ -75,6 +75,38 @@ pub enum Detail {
         /// The angle within the turn.
         position: Position,
     },
+}
+
+impl Detail {
+    /// The temperature, if the reply tells it.
+    #[must_use]
+    pub const fn temperature(self) -> Option<Celsius> {
+        match self {
+            Self::Query { temperature, .. } | Self::Temperature(temperature) => Some(temperature),
+            Self::Drive { .. } | Self::Odometry { .. } | Self::Undetermined(_) => None,
+        }
+    }
+
+    /// The angle within the turn, if the reply tells it.
+    #[must_use]
+    pub const fn angle(self) -> Option<Angle> {
+        match self {
+            Self::Drive { position } | Self::Odometry { position, .. } => {
+                Some(Angle::Fine(position))
+            }
+            Self::Query { position, .. } => Some(Angle::Coarse(position)),
+            Self::Temperature(_) | Self::Undetermined(_) => None,
+        }
+    }
+
+    /// The same, if it is fine.
+    #[must_use]
+    pub const fn fine(self) -> Option<Position> {
+        match self.angle() {
+            Some(Angle::Fine(position)) => Some(position),
+            Some(Angle::Coarse(_)) | None => None,
+        }
+    }
 }
 
 /// Why ten bytes are no reply.

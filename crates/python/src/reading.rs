@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{Mirror, Sample};
-use motorlink_protocol::{Celsius, Detail, Instant, MotorId, family::Model};
+use motorlink_protocol::{Angle, Celsius, Instant, MotorId, family::Model};
 use pyo3::prelude::*;
 
 /// A motor is asked for its temperature less often than for its speed.
@@ -59,12 +59,7 @@ pub struct Temperatures(BTreeMap<MotorId, (Instant, Celsius)>);
 impl Temperatures {
     /// Notes the temperature of a reply, if it tells one.
     pub fn note(&mut self, sample: &Sample) {
-        if let Detail::Query {
-            temperature: celsius,
-            ..
-        }
-        | Detail::Temperature(celsius) = sample.reply.detail
-        {
+        if let Some(celsius) = sample.reply.detail.temperature() {
             self.0.insert(sample.reply.id, (sample.at, celsius));
         }
     }
@@ -86,13 +81,7 @@ impl Reading {
         celsius: Option<Celsius>,
     ) -> Self {
         let reply = &sample.reply;
-        let angle_deg = match reply.detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                Some(position.degrees())
-            }
-            Detail::Query { position, .. } => Some(position.degrees()),
-            Detail::Temperature(_) | Detail::Undetermined(_) => None,
-        };
+        let angle_deg = reply.detail.angle().map(Angle::degrees);
         let is_certain = model.spec().current.is_certain();
         let amps = reply.current.filter(|_| is_certain);
         let faults = reply.faults;

@@ -19,7 +19,7 @@ use motorlink_i18n::{
 };
 use motorlink_messages::{
     bus::{Activity, MotorStatus},
-    protocol::{Faults, Mode, MotorId, Setpoint},
+    protocol::{Angle, Faults, Mode, MotorId, Setpoint},
 };
 
 use self::{
@@ -30,7 +30,7 @@ use crate::{
     features::telemetry::{readings::Readings, twin::turns_text},
     model::{
         heat::Band,
-        snapshot::{Angle, Reading, Session},
+        snapshot::{Reading, Session},
         terms::loop_name,
     },
     ui::{format, reactive::memo},

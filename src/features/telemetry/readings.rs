@@ -4,7 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Update,
     bus::{Activity, Sample},
-    protocol::{Detail, MotorId, Rpm},
+    protocol::{Angle, MotorId, Rpm},
 };
 
 use crate::{
@@ -80,17 +80,12 @@ impl Readings {
         };
         self.twin.update_value(|feed| {
             for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
-                let (angle, quality) = match sample.reply.detail {
-                    Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                        (Some(position.degrees()), AngleQuality::Fine)
-                    }
-                    Detail::Query { position, .. } => {
-                        (Some(position.degrees()), AngleQuality::Coarse)
-                    }
-                    Detail::Temperature(_) | Detail::Undetermined(_) => {
-                        (None, AngleQuality::Coarse)
-                    }
+                let angle = sample.reply.detail.angle();
+                let quality = match angle {
+                    Some(Angle::Fine(_)) => AngleQuality::Fine,
+                    Some(Angle::Coarse(_)) | None => AngleQuality::Coarse,
                 };
+                let angle = angle.map(Angle::degrees);
                 let at_ms = clock.shown_ms_of(sample.at);
                 feed.sample(
                     at_ms,

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Current, Detail, Faults, Instant, Mode, MotorId, PositionTarget, Reply, Rpm, Setpoint,
-    SpeedTarget,
+    Celsius, Current, Faults, Instant, Mode, MotorId, Position, PositionTarget, Reply, Rpm,
+    Setpoint, SpeedTarget,
 };
 
 use super::{Cause, ExceededLimit, FRESH_FOR, StartRefusal};
@@ -41,15 +41,10 @@ impl Telemetry {
     /// The telemetry in this reply.
     #[must_use]
     pub fn of(at: Instant, reply: &Reply) -> Self {
-        let (degrees, celsius) = match reply.detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                (Some(position.degrees()), None)
-            }
-            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
-                (None, Some(temperature.degrees()))
-            }
-            Detail::Undetermined(_) => (None, None),
-        };
+        let (degrees, celsius) = (
+            reply.detail.fine().map(Position::degrees),
+            reply.detail.temperature().map(Celsius::degrees),
+        );
         Self {
             id: reply.id,
             at,

@@ -17,11 +17,11 @@
 //! motor reversed.
 
 use motorlink_bus::CommandedValue;
-use motorlink_protocol::{Detail, Instant, Reply};
+use motorlink_protocol::{Instant, Reply};
 
 use super::{
     cells::Cells,
-    telemetry_lines::{push_amps, push_rpm, push_scaled, push_signed},
+    telemetry_lines::{push_amps, push_angle, push_celsius, push_rpm, push_scaled, push_signed},
 };
 use crate::{digits::push_decimal, recording::Sample, wall_clock::push_seconds_to_us};
 
@@ -94,27 +94,8 @@ impl PlotLines {
 fn write_reply(cells: &mut Cells, sample: &Sample, reply: &Reply) {
     cells.known(reply.speed, push_rpm);
     cells.known(sample.certain_current(), push_amps);
-    match reply.detail {
-        Detail::Drive { position } | Detail::Odometry { position, .. } => {
-            cells.value(|out| push_scaled(out, position.scaled()));
-            cells.unknown();
-        }
-        Detail::Query {
-            temperature,
-            position,
-        } => {
-            cells.value(|out| push_scaled(out, position.scaled()));
-            cells.value(|out| push_decimal(out, temperature.degrees().into()));
-        }
-        Detail::Temperature(temperature) => {
-            cells.unknown();
-            cells.value(|out| push_decimal(out, temperature.degrees().into()));
-        }
-        Detail::Undetermined(_) => {
-            cells.unknown();
-            cells.unknown();
-        }
-    }
+    cells.known(reply.detail.angle(), push_angle);
+    cells.known(reply.detail.temperature(), push_celsius);
     cells.value(|out| push_decimal(out, reply.mode.byte().into()));
     cells.value(|out| push_decimal(out, reply.faults.byte().into()));
 }

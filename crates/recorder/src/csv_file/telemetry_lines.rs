@@ -13,7 +13,7 @@
 //! | `error_str` | `OK`, or names with <code> &#124; </code> between |
 //! | `raw_hex` | the ten bytes |
 
-use motorlink_protocol::{Detail, Faults, Mode, Reply, Rpm, Scaled, family::Current};
+use motorlink_protocol::{Angle, Celsius, Faults, Mode, Reply, Rpm, Scaled, family::Current};
 
 use super::cells::Cells;
 use crate::{
@@ -70,27 +70,8 @@ impl TelemetryLines {
         cells.plain(mode_cell(reply.mode));
         cells.known(reply.speed, push_rpm);
         cells.known(sample.certain_current(), push_amps);
-        match reply.detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                cells.unknown();
-                cells.value(|out| push_scaled(out, position.scaled()));
-            }
-            Detail::Query {
-                temperature,
-                position,
-            } => {
-                cells.value(|out| push_decimal(out, temperature.degrees().into()));
-                cells.value(|out| push_scaled(out, position.scaled()));
-            }
-            Detail::Temperature(temperature) => {
-                cells.value(|out| push_decimal(out, temperature.degrees().into()));
-                cells.unknown();
-            }
-            Detail::Undetermined(_) => {
-                cells.unknown();
-                cells.unknown();
-            }
-        }
+        cells.known(reply.detail.temperature(), push_celsius);
+        cells.known(reply.detail.angle(), push_angle);
         cells.value(|out| push_0x(out, reply.faults.byte()));
         cells.value(|out| push_faults(out, reply.faults));
         cells.value(|out| push_hex(out, sample.frame.bytes()));
@@ -106,6 +87,18 @@ pub(super) fn push_rpm(out: &mut String, speed: Rpm) {
 pub(super) fn push_amps(out: &mut String, current: Current) {
     push_minus(out, current.raw());
     push_scaled(out, current.scaled());
+}
+
+pub(super) fn push_celsius(out: &mut String, temperature: Celsius) {
+    push_decimal(out, temperature.degrees().into());
+}
+
+#[inline(never)]
+pub(super) fn push_angle(out: &mut String, angle: Angle) {
+    match angle {
+        Angle::Fine(position) => push_scaled(out, position.scaled()),
+        Angle::Coarse(position) => push_scaled(out, position.scaled()),
+    }
 }
 
 pub(super) fn push_signed(out: &mut String, value: i16) {

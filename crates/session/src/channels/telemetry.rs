@@ -9,7 +9,7 @@ use motorlink_bus::{
     reported_current,
 };
 use motorlink_protocol::{
-    Detail, Faults, Instant, Mode, MotorId, Reply, Scaled,
+    Angle, Faults, Instant, Mode, MotorId, Reply, Scaled,
     family::{Current, Model},
 };
 use motorlink_recorder::digits::push_decimal;
@@ -95,15 +95,14 @@ impl Motor {
         let faults_before = before.map_or(Faults::NONE, |before| before.faults);
         let changed = faults_before.byte() != reply.faults.byte();
         self.turns.record(at, &reply);
-        let has_angle = !matches!(
-            reply.detail,
-            Detail::Temperature(_) | Detail::Undetermined(_)
-        );
         Reported {
             reply,
             current,
             setpoint: self.setpoint,
-            turns: self.turns.turns().filter(|_| has_angle),
+            turns: self
+                .turns
+                .turns()
+                .filter(|_| reply.detail.angle().is_some()),
             faults_changed: changed.then_some(faults_before),
         }
     }
@@ -135,25 +134,16 @@ impl Reported {
                 push_signed(out, current.raw());
             }
         }
-        match detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                out.push_str(",\"position_deg\":");
-                push_scaled(out, false, position.scaled());
+        if let Some(angle) = detail.angle() {
+            out.push_str(",\"position_deg\":");
+            match angle {
+                Angle::Fine(position) => push_scaled(out, false, position.scaled()),
+                Angle::Coarse(position) => push_scaled(out, false, position.scaled()),
             }
-            Detail::Query {
-                temperature,
-                position,
-            } => {
-                out.push_str(",\"position_deg\":");
-                push_scaled(out, false, position.scaled());
-                out.push_str(",\"temperature_c\":");
-                push_decimal(out, temperature.degrees().into());
-            }
-            Detail::Temperature(temperature) => {
-                out.push_str(",\"temperature_c\":");
-                push_decimal(out, temperature.degrees().into());
-            }
-            Detail::Undetermined(_) => {}
+        }
+        if let Some(temperature) = detail.temperature() {
+            out.push_str(",\"temperature_c\":");
+            push_decimal(out, temperature.degrees().into());
         }
         if let Some(turns) = self.turns {
             // Writing to a string cannot fail.
@@ -220,7 +210,7 @@ fn push_faults(out: &mut String, faults: Faults) {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::Layout;
+    use motorlink_protocol::{Detail, Layout};
 
     use super::*;
 

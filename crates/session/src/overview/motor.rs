@@ -1,6 +1,6 @@
 //! One motor in the overview.
 
-use motorlink_protocol::{Current, Detail, Faults, Reply, Rpm};
+use motorlink_protocol::{Celsius, Current, Faults, Reply, Rpm};
 
 /// The summary of one motor.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,9 +59,8 @@ impl Extent {
 impl MotorOverview {
     pub(super) fn replied(&mut self, bucket: usize, reply: &Reply) {
         self.faults = self.faults.joined(reply.faults);
-        if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail {
-            self.temperature_max_c = self.temperature_max_c.max(Some(temperature.degrees()));
-        }
+        let temperature = reply.detail.temperature().map(Celsius::degrees);
+        self.temperature_max_c = self.temperature_max_c.max(temperature);
         if self.buckets.len() <= bucket {
             self.buckets.resize(bucket + 1, None);
         }

@@ -7,7 +7,7 @@ use motorlink_bus::{
     commanded, commanded_setpoint,
 };
 use motorlink_messages::{Connection, Update};
-use motorlink_protocol::{Detail, Instant, MotorId};
+use motorlink_protocol::{Instant, MotorId};
 
 use crate::record::{EventKind, What};
 
@@ -138,15 +138,12 @@ impl Motor {
             .current
             .map(|current| (at, current))
             .or(status.current);
-        match reply.detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => {
-                status.position = Some((at, position));
-            }
-            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
-                status.temperature = Some((at, temperature));
-            }
-            Detail::Undetermined(_) => {}
-        }
+        let detail = reply.detail;
+        let (position, temperature) = (detail.fine(), detail.temperature());
+        status.position = position.map(|position| (at, position)).or(status.position);
+        status.temperature = temperature
+            .map(|temperature| (at, temperature))
+            .or(status.temperature);
     }
 
     fn missed(&mut self, at: Instant) {
