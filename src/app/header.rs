@@ -18,7 +18,10 @@ use crate::{
         page::{Dialog, use_page},
         preferences::Theme,
     },
-    ui::reactive::{dynamic, handler},
+    ui::{
+        media::prefers_dark,
+        reactive::{dynamic, handler},
+    },
 };
 
 /// The combobox of the language.
@@ -145,9 +148,7 @@ fn ThemeButton() -> impl IntoView {
             aria-label=tr!("Theme")
             title=dynamic(title)
             on:click=handler(move |_| {
-                let dark = window().match_media("(prefers-color-scheme: dark)").ok().flatten();
-                let dark = dark.is_some_and(|dark| dark.matches());
-                page.prefer(|preferences| preferences.theme = preferences.theme.next(dark));
+                page.prefer(|preferences| preferences.theme = preferences.theme.next(prefers_dark()));
             })
             inner_html=dynamic(move || glyph(shape()))
         ></button>

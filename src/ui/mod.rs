@@ -16,6 +16,7 @@ pub(crate) mod frame_rate;
 pub(crate) mod list;
 pub(crate) mod listener;
 pub(crate) mod mathematics;
+pub(crate) mod media;
 pub(crate) mod number_field;
 pub(crate) mod panel;
 pub(crate) mod reactive;

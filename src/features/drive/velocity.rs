@@ -81,10 +81,11 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             &format!("+{limit} {forward}"),
         ])
     });
-    let preset = move |rpm: i32, name| {
+    // With a plus the label would read like a step up.
+    let preset = move |rpm: i32, name, label: &'static str| {
         view! {
             <PressButton
-                label=format::signed(rpm)
+                label=label
                 name=name
                 class="button preset"
                 disabled_reason=or_refused(page, preset_blocked_by, move || rpm)
@@ -123,8 +124,8 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             on_edit=move || drive.adjust(MODE)
         />
         <div class="button-row seven">
-            {preset(-100, "-100")}
-            {preset(-50, "-50")}
+            {preset(-100, "-100", "\u{2212}100")}
+            {preset(-50, "-50", "\u{2212}50")}
             <PressButton
                 label=tr!("Stop")
                 class="button halt"
@@ -145,8 +146,8 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
                 disabled_reason=disabled_reason
                 on_press=move || drive.drive(Setpoint::Brake)
             />
-            {preset(50, "+50")}
-            {preset(100, "+100")}
+            {preset(50, "+50", "50")}
+            {preset(100, "+100", "100")}
         </div>
     };
     loop_panel(drive, MODE, start_blocked_by, hint().into(), body)

@@ -130,6 +130,21 @@ impl Page {
         Ok(())
     }
 
+    /// Lets the person want less motion, in a light page.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn want_less_motion(&self) -> Result<()> {
+        let features = json!([{ "name": "prefers-reduced-motion", "value": "reduce" }]);
+        self.session
+            .call(
+                "Emulation.setEmulatedMedia",
+                json!({ "features": features }),
+            )
+            .map(drop)
+    }
+
     /// Gives the page's device a touch screen instead of a mouse.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The wheel, drawn once. From back to front: shadow, tyre, hub, cover, axle.
 //!
-//! Only the group `twin-turning` turns. The parts below and above it are round and carry the light, which does not
-//! move. The axle does not turn either: in a hub motor the chassis holds it.
+//! Only the group `twin-turning` turns, or only the marks for a person who wants less motion. The parts below and above
+//! it are round and carry the light, which does not move. The axle does not turn either: in a hub motor the chassis holds it.
 
 use crate::features::telemetry::twin::{
     geometry::{TreadBlock, annulus, arc, bearings, circle, d_shaft, hexagon, holes, sector},
@@ -106,7 +106,7 @@ fn turning(art: &mut Markup, look: Look) {
         art.path("twin-block", block.ring(look.tread_blocks, 0.0));
     });
     art.scaled(look.hub, |art| turning_hub(art, look));
-    mark(art, look);
+    art.group("twin-pointer", |art| marks(art, look));
 }
 
 fn turning_hub(art: &mut Markup, look: Look) {
@@ -131,11 +131,13 @@ fn turning_hub(art: &mut Markup, look: Look) {
         );
         art.path("twin-socket", hexagon(bearing, measures::SCREWS, 1.25));
     }
-    art.path("twin-mark", "M0 -34.9L2.3 -30.4Q0 -31.3 -2.3 -30.4Z");
 }
 
-/// The mark that shows the angle, and its trail at speed.
-fn mark(art: &mut Markup, look: Look) {
+/// The marks that show the angle, and their trail at speed.
+fn marks(art: &mut Markup, look: Look) {
+    art.scaled(look.hub, |art| {
+        art.path("twin-mark", "M0 -34.9L2.3 -30.4Q0 -31.3 -2.3 -30.4Z");
+    });
     let middle = f64::midpoint(measures::HUB * look.hub, measures::SIDEWALL);
     art.measured_path(
         "twin-trail",

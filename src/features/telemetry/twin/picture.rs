@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn every_class_has_a_style() {
         // Classes that only the painter uses.
-        let handles = ["twin-turning", "twin-wheel"];
+        let handles = ["twin-pointer", "twin-turning", "twin-wheel"];
         let sheet = include_str!("../../../../style/30-twin.css");
         let [picture, ..] = pictures();
         for class in all_between(&picture, "class=\"", '"') {

@@ -12,6 +12,7 @@ use crate::{
         attribute::Attribute,
         frame_rate::{FrameRate, frame_rate},
         mathematics::modulo,
+        media::wants_less_motion,
     },
 };
 
@@ -26,8 +27,14 @@ pub struct Turning {
 }
 
 impl Turning {
+    /// The wheel, or only its marks for a person who wants less motion.
     pub(crate) fn find(picture: &Element) -> Option<Self> {
-        let element = picture.query_selector(".twin-turning").ok().flatten()?;
+        let turning = if wants_less_motion() {
+            ".twin-pointer"
+        } else {
+            ".twin-turning"
+        };
+        let element = picture.query_selector(turning).ok().flatten()?;
         Some(Self {
             turned: Attribute::of(element.clone(), "transform"),
             element,

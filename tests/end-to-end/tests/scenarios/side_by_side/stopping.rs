@@ -222,7 +222,7 @@ fn an_act_that_comes_late_starts_nothing() -> Result<()> {
                 const press = new MouseEvent('click', {{ bubbles: true, cancelable: true }});
                 const until = performance.now() + {ms};
                 while (performance.now() < until);
-                const is = (it) => it.textContent.trim() === '+100';
+                const is = (it) => it.ariaLabel === '+100';
                 const button = [...document.querySelectorAll('button')].find(is);
                 // Behind what the worker has told meanwhile, without which the page itself refuses.
                 setTimeout(() => button.dispatchEvent(press), 200);

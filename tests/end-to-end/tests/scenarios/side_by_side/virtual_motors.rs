@@ -149,3 +149,33 @@ fn the_virtual_motors_are_chosen_in_a_menu_and_remembered() -> Result<()> {
     assert_quiet_console(&page);
     Ok(())
 }
+
+/// The tread stands, and the marks turn.
+#[test]
+fn a_person_who_wants_less_motion_sees_a_pointer_turn() -> Result<()> {
+    let bench = Bench::reuse()?;
+    let page = bench.open("/")?;
+    page.want_less_motion()?;
+    page.go(&format!("{}/?port=virtual", bench.origin()))?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.press("f")?;
+    let turned = |part: &str| -> Result<f64> {
+        let angle = format!(
+            "(() => {{ const m = new DOMMatrix(getComputedStyle(document.querySelector('{part}')).transform); \
+             return Math.atan2(m.b, m.a); }})()"
+        );
+        Ok(serde_json::from_value(page.evaluate(&angle)?)?)
+    };
+    let first = turned(".twin-pointer")?;
+    wait_until("the marks to turn", WAIT_MAX, || {
+        let angle = turned(".twin-pointer")?;
+        Ok(((angle - first).abs() > 0.5)
+            .then_some(())
+            .ok_or_else(|| angle.to_string()))
+    })?;
+    let wheel = turned(".twin-turning")?;
+    assert!(wheel.abs() < f64::EPSILON, "the wheel is at {wheel}");
+    page.press("Escape")?;
+    assert_quiet_console(&page);
+    Ok(())
+}
