@@ -102,12 +102,7 @@ fn of_motor(wheel: &Wheel, motor: Option<&Motor>, node: &str) -> DiagnosticStatu
 
 /// As `diagnostic_msgs/DiagnosticStatus` has it.
 const fn number(level: Level) -> u8 {
-    match level {
-        Level::Ok => 0,
-        Level::Warning => 1,
-        Level::Error => 2,
-        Level::Stale => 3,
-    }
+    level as u8
 }
 
 fn values<const N: usize>(values: [(&str, String); N]) -> Vec<KeyValue> {

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::drive::Why;
 
 /// How bad it is. The order is that of `diagnostic_msgs`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Level {
     /// As it should be.
     Ok,

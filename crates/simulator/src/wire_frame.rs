@@ -31,23 +31,17 @@ pub struct WireFrame {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WireFrameLog {
     kept: VecDeque<WireFrame>,
-    lost: u64,
 }
 
 impl WireFrameLog {
     pub(crate) fn push(&mut self, wire_frames: WireFrame) {
         if self.kept.len() >= KEPT_MAX {
             self.kept.pop_front();
-            self.lost += 1;
         }
         self.kept.push_back(wire_frames);
     }
 
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = WireFrame> + '_ {
         self.kept.drain(..)
-    }
-
-    pub(crate) const fn lost(&self) -> u64 {
-        self.lost
     }
 }

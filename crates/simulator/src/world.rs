@@ -214,12 +214,6 @@ impl World {
         self.wire_frames.drain()
     }
 
-    /// Number of frames dropped from a full log.
-    #[must_use]
-    pub const fn wire_frames_dropped(&self) -> u64 {
-        self.wire_frames.lost()
-    }
-
     /// Runs everything up to `now` in order of time. Returns the present time.
     fn run_to(&mut self, now: Instant) -> Instant {
         let now = match self.now {

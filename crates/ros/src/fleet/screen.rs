@@ -24,8 +24,8 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use super::{
     listening::{Listening, View},
     table::{COLUMNS, cells, head},
-    watch::Rank,
 };
+use crate::status::Level;
 
 /// How often it is drawn without a key.
 const PERIOD: Duration = Duration::from_millis(500);
@@ -103,12 +103,12 @@ fn draw(frame: &mut Frame<'_>, view: &View, first: usize, has_colours: bool) {
     frame.render_widget(Line::raw(text).style(Modifier::BOLD), top);
     let shown = view.rows.iter().skip(first).take(middle.height.into());
     let rows = shown.map(|row| {
-        let style = match row.rank() {
+        let style = match row.level() {
             _ if !has_colours => Style::new(),
-            Rank::Fine => Style::new(),
-            Rank::Warning => Style::new().fg(Color::Yellow),
-            Rank::Error => Style::new().fg(Color::Red),
-            Rank::NotHeard => Style::new().fg(Color::Magenta),
+            Level::Ok => Style::new(),
+            Level::Warning => Style::new().fg(Color::Yellow),
+            Level::Error => Style::new().fg(Color::Red),
+            Level::Stale => Style::new().fg(Color::Magenta),
         };
         Row::new(cells(row)).style(style)
     });

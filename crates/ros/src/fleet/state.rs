@@ -10,7 +10,7 @@ use super::{
 use crate::{
     drive::Why,
     rover::{Rover, Wheel},
-    status::{self, DriveStatus, MotorStatus, Phase},
+    status::{self, DriveStatus, Level, MotorStatus, Phase},
 };
 
 /// The version of the state. Another one is ignored.
@@ -32,7 +32,7 @@ pub struct RobotState {
     pub session: String,
     /// Counts the states of the session, from 1.
     pub number: u64,
-    /// The worst of the drive and of the motors.
+    /// The worst of the drive and of the motors, at most an error: a robot that publishes is heard.
     pub level: Level,
     drive: Drive,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -42,28 +42,6 @@ pub struct RobotState {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub page: Option<String>,
     motors: Vec<RobotMotor>,
-}
-
-/// How bad it is. A motor of which nothing is known is an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Level {
-    /// As it should be.
-    Ok,
-    /// A person should look.
-    Warning,
-    /// Something has failed.
-    Error,
-}
-
-impl From<status::Level> for Level {
-    fn from(level: status::Level) -> Self {
-        match level {
-            status::Level::Ok => Self::Ok,
-            status::Level::Warning => Self::Warning,
-            status::Level::Error | status::Level::Stale => Self::Error,
-        }
-    }
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -181,7 +159,7 @@ impl RobotState {
     fn judged(mut self) -> Self {
         let levels = self.motors.iter().map(|motor| motor.status().level());
         let level = levels.fold(self.drive().level(), Ord::max);
-        self.level = self.level.max(level.into());
+        self.level = self.level.max(level).min(Level::Error);
         self
     }
 
@@ -256,8 +234,8 @@ impl RobotState {
             return None;
         }
         let all = self.motors.iter().map(|motor| (motor.id, motor.status()));
-        let worst = all.max_by_key(|(_, status)| Level::from(status.level()))?;
-        (worst.1.level() > status::Level::Ok).then_some(worst)
+        let worst = all.max_by_key(|(_, status)| status.level().min(Level::Error))?;
+        (worst.1.level() > Level::Ok).then_some(worst)
     }
 }
 

@@ -1,10 +1,7 @@
 //! All robots as text: a head, and a line for each.
 
-use super::{
-    state::RobotState,
-    watch::{Rank, Row},
-};
-use crate::status::Phase;
+use super::{state::RobotState, watch::Row};
+use crate::status::{Level, Phase};
 
 /// What is over the columns.
 pub const COLUMNS: [&str; 6] = [
@@ -26,7 +23,7 @@ pub fn head(rows: &[Row], ignored: u64, has_router: bool) -> String {
             matches!(state.drive().phase, Phase::Drives | Phase::DrivenByOther)
         })
     });
-    let problems = count(|row| matches!(row.rank(), Rank::Error | Rank::Warning));
+    let problems = count(|row| matches!(row.level(), Level::Error | Level::Warning));
     let not_heard = count(|row| !row.heard);
     let ignored = match ignored {
         0 => String::new(),
@@ -55,7 +52,7 @@ pub fn cells(row: &Row) -> [String; 6] {
     };
     [
         row.name.clone(),
-        of_drive(row.rank(), state),
+        of_drive(row.level(), state),
         state.driven_by(),
         state.hottest().map_or_else(
             || "unknown".to_owned(),
@@ -69,12 +66,12 @@ pub fn cells(row: &Row) -> [String; 6] {
 }
 
 /// With its level in words: colour is not the only sign.
-fn of_drive(rank: Rank, state: &RobotState) -> String {
+fn of_drive(level: Level, state: &RobotState) -> String {
     let drive = state.drive();
-    match rank {
-        Rank::Error | Rank::NotHeard => format!("ERROR {drive}"),
-        Rank::Warning => format!("WARNING {drive}"),
-        Rank::Fine => drive.to_string(),
+    match level {
+        Level::Error | Level::Stale => format!("ERROR {drive}"),
+        Level::Warning => format!("WARNING {drive}"),
+        Level::Ok => drive.to_string(),
     }
 }
 

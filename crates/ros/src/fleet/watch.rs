@@ -11,8 +11,9 @@ use serde::Serialize;
 
 use super::{
     names::{RobotName, of_state, of_token},
-    state::{Level, RobotState},
+    state::RobotState,
 };
+use crate::status::Level;
 
 /// A state that is older tells nothing about now: ten are missing.
 pub const HEARD_FOR: Duration = Duration::from_secs(1);
@@ -55,29 +56,13 @@ pub struct Row {
     pub state: Option<RobotState>,
 }
 
-/// What a robot is counted as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rank {
-    /// As it should be.
-    Fine,
-    /// A person should look.
-    Warning,
-    /// Something has failed.
-    Error,
-    /// Nothing is known of now.
-    NotHeard,
-}
-
 impl Row {
-    /// How bad it is.
+    /// How bad it is. A robot that is not heard is stale.
     #[must_use]
-    pub fn rank(&self) -> Rank {
-        match self.state.as_ref().map(|state| state.level) {
-            None => Rank::NotHeard,
-            Some(Level::Error) => Rank::Error,
-            Some(Level::Warning) => Rank::Warning,
-            Some(Level::Ok) => Rank::Fine,
-        }
+    pub fn level(&self) -> Level {
+        self.state
+            .as_ref()
+            .map_or(Level::Stale, |state| state.level)
     }
 }
 
@@ -151,7 +136,7 @@ impl Watch {
             })
             .collect();
         // They are sorted by name already.
-        rows.sort_by_key(|row| Reverse(row.rank()));
+        rows.sort_by_key(|row| Reverse(row.level()));
         rows
     }
 
