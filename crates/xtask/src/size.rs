@@ -90,7 +90,7 @@ const PARTS: [Part; 19] = [
     // exports of the panel Recording, which is a tool, 200 what a start waits for. 900 say why a motor cannot be driven at
     // once, to the drive pad and to a run.
     // 800 are what the cards of a group have in common with the rover.
-    ("shared", BEHIND, &["chunk"], 93_600),
+    ("shared", BEHIND, &["chunk"], 93_900),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
