@@ -118,6 +118,7 @@ impl Features {
             speed_limit: Some(limits.speed_rpm()),
             current_limit: Some(limits.current_ma()),
             temperature_limit: Some(limits.temperature_c()),
+            geometry: None,
             names: Some(NamesAndSides::default()),
         });
         let first = Preferences::default();

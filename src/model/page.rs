@@ -111,6 +111,8 @@ pub(crate) enum Change<'a> {
     Place(Place),
     /// Another model was chosen for the open serial port.
     Model,
+    /// A setup has other measures of the vehicle, which are stored.
+    Geometry,
     /// The worker has reported this.
     Notice(&'a Notice),
     /// All notices of one message of the worker have been handled.
@@ -128,6 +130,8 @@ pub(crate) enum Listener {
     Ids,
     /// The setup of the wheels.
     WheelSetup,
+    /// The measures of the vehicle.
+    Geometry,
 }
 
 /// The port worker as the page sees it.

@@ -12,6 +12,9 @@
 //! | `speed_limit_rpm` | the speed at which a driven motor is stopped | 1 to 380 |
 //! | `current_limit_ma` | the current, for half a second | 100 to 8000 |
 //! | `temperature_limit_c` | the temperature | 30 to 80 |
+//! | `vehicle` | the measures of the vehicle, in mm | both of its fields |
+//! | `vehicle.wheel_radius_mm` | from the axle to the ground | 10 to 500 |
+//! | `vehicle.track_width_mm` | between the middles of the left and the right wheels | 50 to 3000 |
 //! | `motors` | the motors, in any order | a list, each ID once |
 //! | `motors[].id` | must be there | 1 to 254 |
 //! | `motors[].name` | empty where it is left out | at most 16 characters, no control characters |
@@ -28,12 +31,14 @@
 mod error;
 mod reading;
 
-use std::fmt::Write;
+use motorlink_messages::{
+    bus::CommandRate,
+    experiments::vehicle::Geometry,
+    protocol::{MotorId, family::Model},
+};
 
-use motorlink_messages::{bus::CommandRate, protocol::family::Model};
-
-pub use self::error::{Misfit, SETUP_BYTES_MAX, SetupError};
-use crate::model::names_and_sides::NamesAndSides;
+pub use self::error::{Allowed, Misfit, SETUP_BYTES_MAX, SetupError};
+use crate::model::names_and_sides::{NameAndSide, NamesAndSides};
 
 /// The version of the table above. A field may be added to a version only if pages that do not know it may
 /// refuse the file.
@@ -54,6 +59,7 @@ pub struct Setup {
     pub(crate) current_limit: Option<u16>,
     /// In degrees Celsius.
     pub(crate) temperature_limit: Option<u16>,
+    pub(crate) geometry: Option<Geometry>,
     pub(crate) names: Option<NamesAndSides>,
 }
 
@@ -69,55 +75,59 @@ impl Setup {
     /// The file, one line per motor.
     #[must_use]
     pub fn to_json(&self) -> String {
-        // Writing into a String cannot fail.
+        let whole = |value: Option<u16>| value.map(|value| value.to_string());
+        let yes = |value: Option<bool>| value.map(|value| value.to_string());
+        let fields = [
+            ("model", self.model.map(|model| quoted(model.spec().key))),
+            ("detect_model", yes(self.detect_model)),
+            ("command_rate_hz", whole(self.rate.map(CommandRate::hertz))),
+            ("keep_driving_while_hidden", yes(self.keep_driving)),
+            ("ramp_rpm_per_s", whole(self.ramp)),
+            ("speed_limit_rpm", whole(self.speed_limit)),
+            ("current_limit_ma", whole(self.current_limit)),
+            ("temperature_limit_c", whole(self.temperature_limit)),
+            ("vehicle", self.geometry.map(vehicle)),
+            ("motors", self.names.as_ref().map(motors)),
+        ];
         let mut text = format!("{{\n  \"motorlink_setup\": {VERSION}");
-        if let Some(model) = self.model {
-            let _ = write!(text, ",\n  \"model\": \"{}\"", model.spec().key);
-        }
-        if let Some(detect) = self.detect_model {
-            let _ = write!(text, ",\n  \"detect_model\": {detect}");
-        }
-        if let Some(rate) = self.rate {
-            let _ = write!(text, ",\n  \"command_rate_hz\": {}", rate.hertz());
-        }
-        if let Some(keep) = self.keep_driving {
-            let _ = write!(text, ",\n  \"keep_driving_while_hidden\": {keep}");
-        }
-        if let Some(ramp) = self.ramp {
-            let _ = write!(text, ",\n  \"ramp_rpm_per_s\": {ramp}");
-        }
-        for (name, limit) in [
-            ("speed_limit_rpm", self.speed_limit),
-            ("current_limit_ma", self.current_limit),
-            ("temperature_limit_c", self.temperature_limit),
-        ] {
-            if let Some(limit) = limit {
-                let _ = write!(text, ",\n  \"{name}\": {limit}");
+        for (name, value) in fields {
+            if let Some(value) = value {
+                for part in [",\n  ", &quoted(name), ": ", &value] {
+                    text.push_str(part);
+                }
             }
-        }
-        if let Some(names) = &self.names {
-            text.push_str(",\n  \"motors\": [");
-            for (place, (id, member)) in names.members().enumerate() {
-                let when_silent = member.when_silent.map(|it| {
-                    let key = it.key();
-                    format!(", \"when_frames_cease\": \"{key}\"")
-                });
-                let _ = write!(
-                    text,
-                    "{}\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {}{} }}",
-                    if place == 0 { "" } else { "," },
-                    id.get(),
-                    nojson::Json(member.name().trim()),
-                    member.side.key(),
-                    member.drives,
-                    when_silent.unwrap_or_default()
-                );
-            }
-            text.push_str("\n  ]");
         }
         text.push_str("\n}\n");
         text
     }
+}
+
+fn quoted(key: &str) -> String {
+    ["\"", key, "\""].concat()
+}
+
+fn vehicle(geometry: Geometry) -> String {
+    let [radius, track] = geometry.entered();
+    format!("{{ \"wheel_radius_mm\": {radius}, \"track_width_mm\": {track} }}")
+}
+
+fn motors(names: &NamesAndSides) -> String {
+    let motor = |(id, member): &(MotorId, NameAndSide)| {
+        let when_silent = member.when_silent.map(|it| {
+            let key = it.key();
+            format!(", \"when_frames_cease\": \"{key}\"")
+        });
+        format!(
+            "\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {}{} }}",
+            id.get(),
+            nojson::Json(member.name().trim()),
+            member.side.key(),
+            member.drives,
+            when_silent.unwrap_or_default()
+        )
+    };
+    let motors: Vec<String> = names.members().map(motor).collect();
+    ["[", &motors.join(","), "\n  ]"].concat()
 }
 
 // proptest needs a source of randomness, which the browser build lacks.

@@ -7,9 +7,9 @@ use motorlink_i18n::tr;
 use crate::model::{
     guards::import_blocked_by,
     log_lines,
-    page::Page,
+    page::{Change, Page},
     setup::{Setup, SetupError},
-    setup_texts,
+    setup_texts, vehicle,
 };
 
 impl Page {
@@ -25,6 +25,7 @@ impl Page {
             speed_limit: Some(preferences.limits.speed_rpm()),
             current_limit: Some(preferences.limits.current_ma()),
             temperature_limit: Some(preferences.limits.temperature_c()),
+            geometry: Some(vehicle::stored()),
             names: Some(self.motors.names.get_untracked()),
         }
     }
@@ -42,6 +43,10 @@ impl Page {
             (Some(reason), _) => setup_texts::of_refusal(&reason),
             (None, Ok(setup)) => {
                 let words = setup_texts::of_taken(&setup);
+                if let Some(geometry) = setup.geometry {
+                    vehicle::save(geometry);
+                    self.announce(Change::Geometry);
+                }
                 self.take_setup(setup);
                 words
             }

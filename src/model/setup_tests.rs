@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     bus::{Limits, Ramp},
-    experiments::analysis::WhenSilent,
+    experiments::{analysis::WhenSilent, vehicle::Geometry},
     protocol::MotorId,
 };
 use proptest::{collection::btree_map, option, prelude::*, sample::select};
@@ -23,6 +23,7 @@ const ROVER: &str = r#"{
   "speed_limit_rpm": 120,
   "current_limit_ma": 1500,
   "temperature_limit_c": 60,
+  "vehicle": { "wheel_radius_mm": 60, "track_width_mm": 420 },
   "motors": [
     { "id": 1, "name": "Front \"left\"", "side": "left", "drives_together": true, "when_frames_cease": "keeps" },
     { "id": 254, "name": "", "side": "none", "drives_together": false }
@@ -48,6 +49,7 @@ fn rover() -> Setup {
         speed_limit: Some(120),
         current_limit: Some(1_500),
         temperature_limit: Some(60),
+        geometry: Geometry::new(60, 420),
         names: Some(names),
     }
 }
@@ -129,11 +131,19 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"speed_limit_rpm\": 381", SPEED),
         ("\"current_limit_ma\": 2.7", CURRENT),
         ("\"temperature_limit_c\": 29", TEMPERATURE),
+        (
+            "\"vehicle\": { \"wheel_radius_mm\": 9, \"track_width_mm\": 300 }",
+            "vehicle.wheel_radius_mm: expected a whole number from 10 to 500.",
+        ),
+        (
+            "\"vehicle\": { \"wheel_radius_mm\": 51 }",
+            "vehicle.track_width_mm: missing; expected a whole number from 50 to 3000.",
+        ),
         ("\"motors\": {}", "motors: expected a list of motors."),
         ("\"motors\": [1]", "motors[0]: expected a JSON object."),
         (
             "\"speed_max_rpm\": 100",
-            "speed_max_rpm: unknown field; known fields: motorlink_setup, model, detect_model, command_rate_hz, keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, temperature_limit_c, motors.",
+            "speed_max_rpm: unknown field; known fields: motorlink_setup, model, detect_model, command_rate_hz, keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, temperature_limit_c, vehicle, motors.",
         ),
         (
             "\"model\": \"m0601\", \"m\\u006fdel\": \"m0601\"",
@@ -258,7 +268,7 @@ fn the_longest_setup_fits_and_a_larger_file_is_not_even_read() {
 #[test]
 fn the_ranges_that_are_told_are_those_that_hold() {
     let (least, most) = (CommandRate::MIN, CommandRate::MAX);
-    assert_eq!((least, most, Ramp::MAX, NAME_MAX), (1, 500, 10_000, 16));
+    assert_eq!(NAME_MAX, 16);
     for (field, value) in [
         ("command_rate_hz", least),
         ("command_rate_hz", most),
@@ -292,10 +302,11 @@ pub(crate) fn any_setup() -> impl Strategy<Value = Setup> {
             option::of(100_u16..=8_000),
             option::of(30_u16..=80),
         ),
+        option::of((10_i32..=500, 50_i32..=3_000)),
         option::of(btree_map(1_u8..=254, member, 0..30)),
     )
         .prop_map(
-            |(model, hertz, keep_driving, ramp, limits, members)| Setup {
+            |(model, hertz, keep_driving, ramp, limits, geometry, members)| Setup {
                 model: model.0,
                 detect_model: model.1,
                 rate: hertz.and_then(|hertz| CommandRate::new(hertz).ok()),
@@ -304,6 +315,7 @@ pub(crate) fn any_setup() -> impl Strategy<Value = Setup> {
                 speed_limit: limits.0,
                 current_limit: limits.1,
                 temperature_limit: limits.2,
+                geometry: geometry.and_then(|(radius, track)| Geometry::new(radius, track)),
                 names: members.map(|members| {
                     let mut names = NamesAndSides::default();
                     for (number, (name, side, drives)) in members {

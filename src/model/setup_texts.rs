@@ -28,6 +28,7 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
         setup.temperature_limit,
     ];
     tell(limits.iter().any(Option::is_some), tr!("limits"));
+    tell(setup.geometry.is_some(), tr!("measures of the vehicle"));
     match setup.names.as_ref().map(|names| names.members().count()) {
         Some(1) => tell(true, tr!("1 motor")),
         Some(motors) => tell(true, &tr!("{motors} motors", motors)),

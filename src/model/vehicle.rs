@@ -10,6 +10,7 @@ use motorlink_messages::{
 use crate::model::{
     local_storage::{remember, remembered},
     names_and_sides::{NameAndSide, NamesAndSides, Side},
+    page::{Change, Listener, Page},
 };
 
 /// The storage key of the measures.
@@ -34,21 +35,27 @@ pub(crate) fn vehicle_of(names: &NamesAndSides) -> Option<Vehicle> {
 }
 
 /// The measures in use: loaded at the first call, for the owner of the page.
-pub(crate) fn geometry_of_page(owner: &Owner) -> RwSignal<Geometry> {
+pub(crate) fn geometry_of_page(owner: &Owner, page: Page) -> RwSignal<Geometry> {
     #[derive(Clone, Copy)]
     struct InUse(RwSignal<Geometry>);
     owner.with(|| {
         let in_use = use_context::<InUse>().unwrap_or_else(|| {
-            let new = InUse(RwSignal::new(load()));
-            provide_context(new);
-            new
+            let geometry = RwSignal::new(stored());
+            let take = move |change: Change<'_>| {
+                if matches!(change, Change::Geometry) {
+                    geometry.set(stored());
+                }
+            };
+            page.listen(Listener::Geometry, Box::new(take));
+            provide_context(InUse(geometry));
+            InUse(geometry)
         });
         in_use.0
     })
 }
 
-/// Loads what this browser has stored, or the defaults.
-fn load() -> Geometry {
+/// What this browser has stored, or the defaults.
+pub(crate) fn stored() -> Geometry {
     let stored = remembered(STORED_AS);
     stored.and_then(|text| from_text(&text)).unwrap_or_default()
 }

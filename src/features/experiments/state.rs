@@ -225,7 +225,7 @@ impl Experiments {
                     live: StoredValue::new_local(Live::default()),
                     live_drawn: RwSignal::new(0),
                     fleet: memo(move || fleet(page)),
-                    geometry: geometry_of_page(owner),
+                    geometry: geometry_of_page(owner, page),
                     checked: RwSignal::new(None),
                 })));
                 effect(move || new.checked.set(new.plan()));

@@ -46,7 +46,7 @@ impl Ids {
             Change::Disconnected => self.disconnected(),
             Change::Declined => self.give_up(),
             Change::Place(place) => self.place_opened(place),
-            Change::Motor | Change::Model => {}
+            Change::Motor | Change::Model | Change::Geometry => {}
         };
         self.page.listen(Listener::Ids, Box::new(act));
     }

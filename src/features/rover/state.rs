@@ -14,7 +14,7 @@ use crate::{
         page::Page,
         vehicle::{geometry_of_page, save, vehicle_of},
     },
-    ui::target::Target,
+    ui::{reactive::effect, target::Target},
 };
 
 /// The storage key of the shown drawing.
@@ -41,7 +41,7 @@ impl Rover {
     pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
-                let new = Self::new(page, geometry_of_page(owner));
+                let new = Self::new(page, geometry_of_page(owner, page));
                 provide_context(new);
                 new
             })
@@ -49,11 +49,19 @@ impl Rover {
     }
 
     fn new(page: Page, geometry: RwSignal<Geometry>) -> Self {
-        let [radius, track] = geometry.get_untracked().entered();
+        let [radius, track] = geometry.get_untracked().entered().map(Target::new);
+        // An imported setup has other ones.
+        effect(move || {
+            for (entered, used) in [radius, track].into_iter().zip(geometry.get().entered()) {
+                if entered.get_untracked() != used {
+                    entered.set(used);
+                }
+            }
+        });
         Self {
             page,
-            radius: Target::new(radius),
-            track: Target::new(track),
+            radius,
+            track,
             geometry,
             is_single: RwSignal::new(remembered(VIEW_STORED_AS).as_deref() == Some(SINGLE)),
             trip: StoredValue::new_local(Trip::default()),

@@ -99,7 +99,7 @@ impl SessionFiles {
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
                     lost: StoredValue::default(),
-                    geometry: geometry_of_page(owner),
+                    geometry: geometry_of_page(owner, page),
                     save_range: RwSignal::default(),
                     saved: RwSignal::default(),
                     said: RwSignal::default(),

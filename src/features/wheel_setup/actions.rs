@@ -97,7 +97,11 @@ impl WheelSetup {
                 }
             }
             Change::Disconnected => self.change(Setup::disconnected),
-            Change::Motor | Change::Declined | Change::Place(_) | Change::Model => {}
+            Change::Motor
+            | Change::Declined
+            | Change::Place(_)
+            | Change::Model
+            | Change::Geometry => {}
         };
         self.page.listen(Listener::WheelSetup, Box::new(on_change));
         effect(move || {

@@ -32,15 +32,56 @@ pub enum SetupError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
     /// Another type or value was expected.
-    Not(&'static str),
+    Not(Allowed),
     /// A required field is missing.
-    Missing(&'static str),
+    Missing(Allowed),
     /// An unknown field; these are known.
     Unknown(&'static [&'static str]),
     /// A duplicate field.
     Twice,
     /// An earlier motor has this ID.
     SameId,
+}
+
+/// What is allowed at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Allowed {
+    /// The version of the file.
+    Version,
+    /// A model.
+    Model,
+    /// A whole number in this range.
+    Whole((u16, u16)),
+    /// True or false.
+    Yes,
+    /// The motors.
+    List,
+    /// The name of a motor.
+    Name,
+    /// The side of a motor.
+    Side,
+    /// What a motor does when frames cease.
+    Behaviour,
+    /// Fields.
+    Object,
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Version => tr!("1 (the supported version)"),
+            Self::Model => tr!("\"ddsm115\", \"ddsm315\", \"ddsm210\" or \"ddsm400\""),
+            Self::Whole((least, most)) => {
+                return f.write_str(&tr!("a whole number from {least} to {most}", least, most));
+            }
+            Self::Yes => tr!("true or false"),
+            Self::List => tr!("a list of motors"),
+            Self::Name => tr!("text of at most 16 characters, no control characters"),
+            Self::Side => tr!("\"none\", \"left\" or \"right\""),
+            Self::Behaviour => tr!("\"keeps\", \"coasts\" or \"brakes\""),
+            Self::Object => tr!("a JSON object"),
+        })
+    }
 }
 
 impl fmt::Display for SetupError {

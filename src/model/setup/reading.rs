@@ -1,19 +1,21 @@
 //! Reads a file, and finds the place of an invalid value.
 
-use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits, Ramp},
-    experiments::analysis::WhenSilent,
+    experiments::{
+        analysis::WhenSilent,
+        vehicle::{Geometry, RADIUS_MM, TRACK_MM},
+    },
     protocol::MotorId,
 };
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
 
 use crate::model::{
     names_and_sides::{NameAndSide, NamesAndSides, Side},
-    setup::{Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION},
+    setup::{Allowed, Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION},
 };
 
-const FIELDS: [&str; 10] = [
+const FIELDS: [&str; 11] = [
     "motorlink_setup",
     "model",
     "detect_model",
@@ -23,52 +25,14 @@ const FIELDS: [&str; 10] = [
     "speed_limit_rpm",
     "current_limit_ma",
     "temperature_limit_c",
+    "vehicle",
     "motors",
 ];
+const FIELDS_OF_VEHICLE: [&str; 2] = ["wheel_radius_mm", "track_width_mm"];
 const FIELDS_OF_MOTOR: [&str; 5] = ["id", "name", "side", "drives_together", "when_frames_cease"];
 
-fn a_version() -> &'static str {
-    tr!("1 (the supported version)")
-}
-fn a_model() -> &'static str {
-    tr!("\"ddsm115\", \"ddsm315\", \"ddsm210\" or \"ddsm400\"")
-}
-fn a_rate() -> &'static str {
-    tr!("a whole number from 1 to 500")
-}
-fn a_ramp() -> &'static str {
-    tr!("a whole number from 0 to 10000")
-}
-fn a_speed_limit() -> &'static str {
-    tr!("a whole number from 1 to 380")
-}
-fn a_current_limit() -> &'static str {
-    tr!("a whole number from 100 to 8000")
-}
-fn a_temperature_limit() -> &'static str {
-    tr!("a whole number from 30 to 80")
-}
-fn a_yes() -> &'static str {
-    tr!("true or false")
-}
-fn a_list() -> &'static str {
-    tr!("a list of motors")
-}
-fn an_id() -> &'static str {
-    tr!("a whole number from 1 to 254")
-}
-fn a_name() -> &'static str {
-    tr!("text of at most 16 characters, no control characters")
-}
-fn a_side() -> &'static str {
-    tr!("\"none\", \"left\" or \"right\"")
-}
-fn a_behaviour() -> &'static str {
-    tr!("\"keeps\", \"coasts\" or \"brakes\"")
-}
-fn fields_in_braces() -> &'static str {
-    tr!("a JSON object")
-}
+const RATE: (u16, u16) = (CommandRate::MIN, CommandRate::MAX);
+const ID: (u16, u16) = (1, 254);
 
 /// Maximal characters of an unknown field in an error.
 const TOLD_MAX: usize = 32;
@@ -98,62 +62,72 @@ pub(crate) fn read(file: &[u8]) -> Result<Setup, SetupError> {
         speed,
         current,
         temperature,
+        vehicle,
         motors,
     ] = fields(file, &FIELDS)?;
     Ok(Setup {
-        model: fit(model, a_model(), |value| text_of(value)?.parse().ok())?,
-        detect_model: fit(detect_model, a_yes(), yes)?,
-        rate: fit(rate, a_rate(), |value| CommandRate::new(whole(value)?).ok())?,
-        keep_driving: fit(keep_driving, a_yes(), yes)?,
-        ramp: fit(ramp, a_ramp(), |value| {
-            whole(value).filter(|ramp| *ramp <= Ramp::MAX)
-        })?,
-        speed_limit: limit(speed, a_speed_limit(), Limits::SPEED_RPM)?,
-        current_limit: limit(current, a_current_limit(), Limits::CURRENT_MA)?,
-        temperature_limit: limit(temperature, a_temperature_limit(), Limits::TEMPERATURE_C)?,
+        model: fit(model, Allowed::Model, |value| text_of(value)?.parse().ok())?,
+        detect_model: fit(detect_model, Allowed::Yes, yes)?,
+        rate: whole_in(rate, RATE)?.and_then(|rate| CommandRate::new(rate).ok()),
+        keep_driving: fit(keep_driving, Allowed::Yes, yes)?,
+        ramp: whole_in(ramp, (0, Ramp::MAX))?,
+        speed_limit: whole_in(speed, Limits::SPEED_RPM)?,
+        current_limit: whole_in(current, Limits::CURRENT_MA)?,
+        temperature_limit: whole_in(temperature, Limits::TEMPERATURE_C)?,
+        geometry: vehicle.map(geometry).transpose()?,
         names: motors.map(names).transpose()?,
     })
 }
 
-fn limit(
-    value: Option<Value>,
-    allowed: &'static str,
-    (least, most): (u16, u16),
-) -> Result<Option<u16>, SetupError> {
-    fit(value, allowed, |value| {
-        whole(value).filter(|limit| (least..=most).contains(limit))
+fn geometry(vehicle: Value) -> Result<Geometry, SetupError> {
+    let [radius, track] = fields(vehicle, &FIELDS_OF_VEHICLE)?;
+    let [of_radius, of_track] = FIELDS_OF_VEHICLE;
+    let measure = |value, name, range| {
+        let measure = whole_in(value, range)?;
+        measure.ok_or_else(|| missing(vehicle, name, Allowed::Whole(range)))
+    };
+    let radius_mm = measure(radius, of_radius, RADIUS_MM)?;
+    let track_mm = measure(track, of_track, TRACK_MM)?;
+    let geometry = Geometry::new(radius_mm.into(), track_mm.into());
+    geometry.ok_or_else(|| not(vehicle, Allowed::Object))
+}
+
+fn whole_in(value: Option<Value>, range: (u16, u16)) -> Result<Option<u16>, SetupError> {
+    let (least, most) = range;
+    fit(value, Allowed::Whole(range), |value| {
+        whole(value).filter(|whole| (least..=most).contains(whole))
     })
 }
 
 fn check_version(file: Value) -> Result<(), SetupError> {
     let [name, ..] = FIELDS;
-    let mut members = file
-        .to_object()
-        .map_err(|_| not(file, fields_in_braces()))?;
+    let mut members = file.to_object().map_err(|_| not(file, Allowed::Object))?;
     let version = members.find(|(key, _)| text_of(*key).as_deref() == Some(name));
-    let (_, version) = version.ok_or_else(|| missing(file, name, a_version()))?;
+    let (_, version) = version.ok_or_else(|| missing(file, name, Allowed::Version))?;
     match whole(version) {
         Some(VERSION) => Ok(()),
-        _ => Err(not(version, a_version())),
+        _ => Err(not(version, Allowed::Version)),
     }
 }
 
 fn names(motors: Value) -> Result<NamesAndSides, SetupError> {
     let mut names = NamesAndSides::default();
-    for motor in motors.to_array().map_err(|_| not(motors, a_list()))? {
+    for motor in motors.to_array().map_err(|_| not(motors, Allowed::List))? {
         let [id, name, side, drives, when_silent] = fields(motor, &FIELDS_OF_MOTOR)?;
-        let at = id.ok_or_else(|| missing(motor, "id", an_id()))?;
+        let at = id.ok_or_else(|| missing(motor, "id", Allowed::Whole(ID)))?;
         let id = whole(at).and_then(|id| MotorId::new(u8::try_from(id).ok()?).ok());
-        let id = id.ok_or_else(|| not(at, an_id()))?;
+        let id = id.ok_or_else(|| not(at, Allowed::Whole(ID)))?;
         if names.member(id).is_some() {
             return Err(misfit(at, Misfit::SameId));
         }
-        let name = fit(name, a_name(), |value| {
+        let name = fit(name, Allowed::Name, |value| {
             text_of(value).filter(|name| NameAndSide::is_name(name))
         })?;
-        let side = fit(side, a_side(), |value| Side::from_key(&text_of(value)?))?;
-        let drives = fit(drives, a_yes(), yes)?;
-        let when_silent = fit(when_silent, a_behaviour(), |value| {
+        let side = fit(side, Allowed::Side, |value| {
+            Side::from_key(&text_of(value)?)
+        })?;
+        let drives = fit(drives, Allowed::Yes, yes)?;
+        let when_silent = fit(when_silent, Allowed::Behaviour, |value| {
             WhenSilent::from_key(&text_of(value)?)
         })?;
         names.change(id, |member| {
@@ -170,7 +144,7 @@ fn names(motors: Value) -> Result<NamesAndSides, SetupError> {
 /// Reads an optional value.
 fn fit<T>(
     value: Option<Value>,
-    allowed: &'static str,
+    allowed: Allowed,
     read: impl FnOnce(Value) -> Option<T>,
 ) -> Result<Option<T>, SetupError> {
     let Some(value) = value else { return Ok(None) };
@@ -196,7 +170,7 @@ fn fill<'a>(
     names: &'static [&'static str],
 ) -> Result<(), SetupError> {
     let members = value.to_object();
-    for (key, value) in members.map_err(|_| not(value, fields_in_braces()))? {
+    for (key, value) in members.map_err(|_| not(value, Allowed::Object))? {
         let key = text_of(key).unwrap_or_default();
         let known = names.iter().position(|name| *name == key);
         match known.and_then(|place| found.get_mut(place)) {
@@ -228,11 +202,11 @@ fn text_of(value: Value) -> Option<String> {
     Some(value.to_unquoted_string_str().ok()?.into_owned())
 }
 
-fn not(value: Value, allowed: &'static str) -> SetupError {
+fn not(value: Value, allowed: Allowed) -> SetupError {
     misfit(value, Misfit::Not(allowed))
 }
 
-fn missing(value: Value, name: &str, allowed: &'static str) -> SetupError {
+fn missing(value: Value, name: &str, allowed: Allowed) -> SetupError {
     SetupError::At {
         place: field_of(place_of(value), name),
         misfit: Misfit::Missing(allowed),
