@@ -120,7 +120,7 @@ fn markup() -> String {
             FAULTY,
             CABLE,
             tr!("Faulty cable"),
-            tr!("Find out what is wrong."),
+            tr!("Turn the wheel, and find out what is wrong."),
         ),
     ];
     let cards = cards.map(|(value, drawing, name, words)| {

@@ -40,7 +40,7 @@ pub(crate) fn rows_html(found: &[MotorId], names: &NamesAndSides) -> String {
         html.push_str("</select></li>");
     }
     if html.is_empty() {
-        let words = tr!("No motors found yet. Connect to see them here.");
+        let words = tr!("No motors found yet.");
         let _ = write!(html, "<li class=\"quiet\">{words}</li>");
     }
     html
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn a_motor_that_is_to_drive_has_a_row_though_it_does_not_answer() {
         assert_eq!(listed(&[id(3)], &rover()), [id(1), id(2), id(3)]);
-        assert!(rows_html(&[], &NamesAndSides::default()).contains("Connect to see them here"));
+        assert!(rows_html(&[], &NamesAndSides::default()).contains("No motors found yet."));
     }
 
     #[test]

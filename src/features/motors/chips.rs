@@ -85,7 +85,7 @@ pub(crate) fn chips_html(found: &[MotorId], names: &NamesAndSides, selected: Mot
         html.push_str("</div>");
     }
     if html.is_empty() {
-        let words = tr!("No motors found yet. Connect to see them here.");
+        let words = tr!("No motors found yet.");
         let _ = write!(html, "<span class=\"quiet\">{words}</span>");
     }
     html
@@ -99,7 +99,12 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     let is_bad = session
         .faults(id)
         .is_some_and(|faults| !faults.value.is_none());
-    if is_bad && faults.look == "fresh" {
+    if session.motor(id).is_some_and(|motor| motor.silent) {
+        faults = Figure {
+            text: tr!("No reply").to_owned(),
+            look: "silent",
+        };
+    } else if is_bad && faults.look == "fresh" {
         faults.look = "bad";
     }
     [
@@ -165,9 +170,7 @@ mod tests {
         assert!(!html.contains("<i>"), "{html}");
         assert_eq!(html.matches("aria-pressed=\"true\"").count(), 1);
         assert_eq!(html.matches("data-figure").count(), 2 * FIGURES.len());
-        assert!(
-            chips_html(&[], &names, ID).contains("No motors found yet. Connect to see them here.")
-        );
+        assert!(chips_html(&[], &names, ID).contains("No motors found yet."));
     }
 
     #[test]
@@ -189,6 +192,13 @@ mod tests {
         session.motors[0].temperature = None;
         assert_eq!(texts(&session)[2], (UNKNOWN.to_owned(), "stale"));
         assert_eq!(texts(&Session::default())[0].0, UNKNOWN);
+    }
+
+    #[test]
+    fn a_silent_motor_is_not_ok() {
+        let mut session = session(4_000, status(1_000, Mode::Velocity, 0));
+        session.motors[0].silent = true;
+        assert_eq!(texts(&session)[3], ("No reply".to_owned(), "silent"));
     }
 
     #[test]
