@@ -184,6 +184,11 @@ pub(crate) fn scan_blocked_by(session: &Session) -> Option<String> {
     job_runs.then(|| terms::refusal(Refusal::JobRunning))
 }
 
+/// Why no ID can be changed. The scan that proves that one motor is on the bus would run, and the change be refused.
+pub(crate) fn id_change_blocked_by(session: &Session) -> Option<String> {
+    send_blocked_by(session, true)
+}
+
 /// Why no scan can be cancelled.
 pub(crate) fn cancel_blocked_by(session: &Session) -> Option<String> {
     session

@@ -173,6 +173,9 @@ fn one_scan_at_a_time_and_no_frame_beside_it() {
     assert!(send_blocked_by(&session, false).is_some());
     assert_eq!(cancel_blocked_by(&session), None);
     session.job = None;
+    session.halted = true;
+    assert_eq!(scan_blocked_by(&session), None);
+    assert!(id_change_blocked_by(&session).is_some());
     session.connection = Connection::Disconnected;
     assert!(scan_blocked_by(&session).is_some());
 }

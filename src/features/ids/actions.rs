@@ -10,7 +10,7 @@ use motorlink_messages::{
 use crate::{
     features::ids::state::IdManager,
     model::{
-        guards::scan_blocked_by,
+        guards::id_change_blocked_by,
         notice_board::Topic,
         page::{Change, Dialog, Listener, Page},
         place::Place,
@@ -107,21 +107,21 @@ impl Ids {
     /// The same for this ID. Returns whether the scan was asked for.
     pub(crate) fn request(self, to: AssignableId) -> bool {
         // A running scan would be mistaken for ours.
-        let may_scan = |session: &Session| scan_blocked_by(session).is_none();
-        let may_scan = self.page.latest.with_value(may_scan);
-        if may_scan {
+        let may_change = |session: &Session| id_change_blocked_by(session).is_none();
+        let may_change = self.page.latest.with_value(may_change);
+        if may_change {
             self.change_ids(|ids| ids.request(to));
             self.page.command(Command::FullScan);
         }
-        may_scan
+        may_change
     }
 
     /// Starts to send more frames to a motor that has kept its ID, with the same proof and question.
     /// Returns whether the scan was asked for.
     pub(crate) fn set_id_with_more(self) -> bool {
         let mut requested = false;
-        let may_scan = |session: &Session| scan_blocked_by(session).is_none();
-        if self.page.latest.with_value(may_scan) {
+        let may_change = |session: &Session| id_change_blocked_by(session).is_none();
+        if self.page.latest.with_value(may_change) {
             self.change_ids(|ids| requested = ids.request_more());
             if requested {
                 self.page.command(Command::FullScan);

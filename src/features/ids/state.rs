@@ -7,7 +7,10 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdChangeOutcome, JobStatus, ScanReport, SetIdFrames},
+    bus::{
+        Command, CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, Refusal, ScanReport,
+        SetIdFrames,
+    },
     protocol::{AssignableId, MotorId},
 };
 
@@ -39,12 +42,41 @@ enum Stage {
     Setting(IdChange),
 }
 
+/// How a scan or change ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Ended {
+    Query(IdQueryOutcome),
+    Scan(ScanReport),
+    /// The scan does not prove that one motor, with another ID, is on the bus.
+    NoProof(ScanReport, AssignableId),
+    Change(MotorId, AssignableId, IdChangeOutcome),
+    Refused(CommandKind, Refusal),
+    TooLate(CommandKind),
+}
+
+impl Ended {
+    /// In the present language.
+    fn words(&self) -> Option<NoticeText> {
+        Some(match self {
+            Self::Query(outcome) => scan_texts::of_id_query(*outcome),
+            Self::Scan(report) => scan_texts::of_scan(report),
+            Self::NoProof(report, to) => scan_texts::of_no_proof(report, *to),
+            Self::Change(from, to, outcome) => scan_texts::of_id_change(*from, *to, *outcome),
+            Self::Refused(command, refusal) => notice_texts::of_notice(&Notice::Refused {
+                command: *command,
+                refusal: *refusal,
+            })?,
+            Self::TooLate(command) => notice_texts::of_notice(&Notice::TooLate(*command))?,
+        })
+    }
+}
+
 /// The state of the tab `ID Manager`, without the readings of the motors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct IdManager {
     stage: Stage,
     /// How the last scan or change ended.
-    result: Option<NoticeText>,
+    result: Option<Ended>,
     /// The next try, if a motor has kept its ID.
     more: Option<(AssignableId, SetIdFrames)>,
     /// The motors found by the last full scan.
@@ -124,9 +156,7 @@ impl IdManager {
     /// Handles a notice of the worker.
     pub(crate) fn on_notice(&mut self, notice: &Notice) {
         match notice {
-            Notice::IdQueryEnded(outcome) => {
-                self.result = Some(scan_texts::of_id_query(*outcome));
-            }
+            Notice::IdQueryEnded(outcome) => self.result = Some(Ended::Query(*outcome)),
             Notice::ScanEnded(report) => self.scan_ended(report),
             Notice::IdChangeEnded { from, to, outcome } => {
                 self.stage = Stage::None;
@@ -144,18 +174,23 @@ impl IdManager {
                     IdChangeOutcome::Kept { .. } => End::Kept,
                     _ => End::Failed,
                 });
-                self.result = Some(scan_texts::of_id_change(*from, *to, *outcome));
+                self.result = Some(Ended::Change(*from, *to, *outcome));
             }
-            Notice::Refused { command, .. } | Notice::TooLate(command)
-                if scan_texts::is_survey(*command) =>
-            {
-                self.stage = Stage::None;
-                self.end = Some(End::Failed);
-                self.result = notice_texts::of_notice(notice);
+            Notice::Refused { command, refusal } if scan_texts::is_survey(*command) => {
+                self.failed(Ended::Refused(*command, *refusal));
+            }
+            Notice::TooLate(command) if scan_texts::is_survey(*command) => {
+                self.failed(Ended::TooLate(*command));
             }
             Notice::StopBegan(reason) if concerns_all(*reason) => self.give_up(),
             _ => {}
         }
+    }
+
+    fn failed(&mut self, how: Ended) {
+        self.stage = Stage::None;
+        self.end = Some(End::Failed);
+        self.result = Some(how);
     }
 
     fn scan_ended(&mut self, report: &ScanReport) {
@@ -171,10 +206,10 @@ impl IdManager {
                     self.stage = Stage::Asking(IdChange { from, to, frames });
                     return;
                 }
-                scan_texts::of_no_proof(report, to)
+                Ended::NoProof(report.clone(), to)
             }
             // Also a scan other than the one that the user confirms.
-            Stage::None | Stage::Asking(_) => scan_texts::of_scan(report),
+            Stage::None | Stage::Asking(_) => Ended::Scan(report.clone()),
         };
         self.stage = Stage::None;
         self.result = Some(result);
@@ -211,7 +246,8 @@ impl IdManager {
 
     /// The message of the tab: the current job, the last result, or what to do here.
     pub(crate) fn message(&self) -> NoticeText {
-        match (&self.stage, &self.result) {
+        let result = self.result.as_ref().and_then(Ended::words);
+        match (&self.stage, result) {
             (Stage::Proving { to, .. } | Stage::Asking(IdChange { to, .. }), _) => calm(
                 tr!(
                     "Before setting ID {id}: full scan to confirm a single motor",
@@ -226,7 +262,7 @@ impl IdManager {
                     count = frames.count()
                 ),
             ),
-            (Stage::None, Some(result)) => result.clone(),
+            (Stage::None, Some(result)) => result,
             (Stage::None, None) => calm(
                 tr!("Find motors").to_owned(),
                 tr!(
@@ -239,8 +275,8 @@ impl IdManager {
 
     /// Whether a full scan is the next step.
     pub(crate) fn offers_full_scan(&self) -> bool {
-        let remedy = self.result.as_ref().and_then(|said| said.remedy);
-        remedy == Some(Remedy::FullScan)
+        let words = self.result.as_ref().and_then(Ended::words);
+        words.and_then(|words| words.remedy) == Some(Remedy::FullScan)
     }
 
     /// What another feature sees of the last scan or change.

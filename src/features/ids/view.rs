@@ -11,7 +11,7 @@ use crate::{
         state::IdManager,
     },
     model::{
-        guards::{cancel_blocked_by, scan_blocked_by, stop_blocked_by},
+        guards::{cancel_blocked_by, id_change_blocked_by, scan_blocked_by, stop_blocked_by},
         notice_board::{NoticeText, Tone},
         page::use_page,
         place::{Panel, Place},
@@ -33,6 +33,7 @@ pub(crate) fn IdManagerPanel(ids: Ids) -> impl IntoView {
     let new_id = ids.new_id;
     let blocked = page.of_motor(|session, _| scan_blocked_by(session));
     let cancel_blocked_by = page.of_motor(|session, _| cancel_blocked_by(session));
+    let change_blocked_by = page.of_motor(|session, _| id_change_blocked_by(session));
     let objection = memo(move || {
         let to = assignable(new_id.get())?;
         page.shown.with(|session| objection(session, to))
@@ -43,7 +44,7 @@ pub(crate) fn IdManagerPanel(ids: Ids) -> impl IntoView {
             nothing.then(|| tr!("Enter the new ID.").to_owned())
         };
         let entered = || new_id.trouble().or_else(|| objection.get());
-        blocked.get().or_else(entered).or_else(missing)
+        change_blocked_by.get().or_else(entered).or_else(missing)
     });
     let offers_full_scan = memo(move || ids.manager.with(IdManager::offers_full_scan));
     let more = memo(move || ids.manager.with(IdManager::offers_more));
@@ -111,7 +112,7 @@ pub(crate) fn IdManagerPanel(ids: Ids) -> impl IntoView {
                         <PressButton
                             label=Signal::derive(send_more)
                             hint=tr!("Scans, then asks to confirm")
-                            disabled_reason=blocked
+                            disabled_reason=change_blocked_by
                             on_press=move || {
                             ids.set_id_with_more();
                         }
