@@ -248,6 +248,8 @@ fn on_event(page: Page, tour: RwSignal<Tour>, on_action: OnTourAction, event: &E
             }
             let id = page.selected.get_untracked();
             if tour.get_untracked().step(&page.present(), id) == Step::Spin {
+                // It turns one motor, so its controls are shown.
+                page.group.set(false);
                 on_action(TourAction::Spin(SPEED_RPM));
             }
         }
