@@ -83,7 +83,7 @@ impl Experiments {
         });
     }
 
-    fn is_armed(self) -> bool {
+    pub(super) fn is_armed(self) -> bool {
         let shown = self.shown.get_untracked();
         shown == Shown::Asked || matches!(shown.phase(), Some(Phase::Armed { .. }))
     }

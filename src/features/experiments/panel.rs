@@ -3,6 +3,8 @@
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{plan::Plan, study::StudyKind};
+use wasm_bindgen::JsCast;
+use web_sys::KeyboardEvent;
 
 use crate::{
     features::experiments::{
@@ -22,6 +24,7 @@ use crate::{
     model::place::Place,
     ui::{
         choice_keys::move_choice,
+        listener::on_window,
         reactive::{dynamic, effect, handler},
         tab_panel::tab_id,
     },
@@ -52,6 +55,12 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
         let is_open = of.page.place() == Place::Test;
         if is_open && of.tab.get() == ExperimentTab::Runs {
             of.kept.read_again();
+        }
+    });
+    on_window("keydown", move |event| {
+        let key = event.dyn_ref::<KeyboardEvent>().map(KeyboardEvent::key);
+        if key.as_deref() == Some("Escape") && of.is_armed() {
+            of.abort();
         }
     });
     let chosen_tab = move || tab_id(of.tab.get().key());
