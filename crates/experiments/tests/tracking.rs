@@ -80,7 +80,7 @@ fn the_achieved_rate_and_the_lost_replies_are_those_of_the_line() {
     for lose in [0.0, 0.02, 0.1] {
         let mut bench = Bench::losing(3, MotorConfig::default(), lose);
         bench.run(r#"{ "rpm": 60, "for_s": 20 }"#);
-        let found = setpoint_rate(&bench.record, ONE).unwrap();
+        let found = setpoint_rate(&bench.record, ONE, 200.0).unwrap();
         assert!((found.achieved_hz / 200.0 - 1.0).abs() < 0.01, "{found:?}");
         // One setpoint of 200 is a query instead.
         assert!(

@@ -126,7 +126,7 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
 fn rates(header: &RunHeader, kind: StudyKind, record: &Record) -> Vec<SetpointRate> {
     let ids = header.motors.iter().map(|(id, _)| *id);
     ids.filter(|_| kind != StudyKind::Silence)
-        .filter_map(|id| setpoint_rate(record, id))
+        .filter_map(|id| setpoint_rate(record, id, header.request_hz))
         .collect()
 }
 
