@@ -79,6 +79,10 @@ impl Choice {
                 marked.push(number);
             }
         });
+        // A single run is shown without Compare.
+        if self.marked.with_untracked(|marked| marked == &[number]) {
+            self.shown.set(vec![number]);
+        }
     }
 
     fn delete(self) {
