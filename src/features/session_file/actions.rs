@@ -417,7 +417,7 @@ impl SessionFiles {
                 });
                 self.open.set(Some(Rc::new(*info)));
                 // Unless a port is open.
-                self.player.begin();
+                self.player.begin(true);
             }
             FromSessions::RunsKept(kept) => {
                 self.reading.set(None);

@@ -144,7 +144,7 @@ fn head(files: SessionFiles, info: &SessionInfo) -> impl IntoView + use<> {
                 class="button small primary"
                 hint=tr!("Shows the recording on all instruments. No motor is driven.")
                 disabled_reason=Signal::derive(replay_blocked_by)
-                on_press=move || if replays() { player.end() } else { player.begin() }
+                on_press=move || if replays() { player.end() } else { player.begin(false) }
             />
             <PressButton
                 label=tr!("Close file")

@@ -89,8 +89,8 @@ pub(crate) struct Parts {
     going: AtomicBool,
     /// That place.
     asked: AtomicU64,
-    /// Whether it plays once it is at the start again.
-    plays_again: AtomicBool,
+    /// Whether it plays once it is at the start.
+    plays_at_start: AtomicBool,
     clocks: Mutex<Clocks>,
 }
 
@@ -119,7 +119,7 @@ impl Player {
             unreadable: RwSignal::new(false),
             going: AtomicBool::new(false),
             asked: AtomicU64::new(0),
-            plays_again: AtomicBool::new(false),
+            plays_at_start: AtomicBool::new(false),
             clocks: Mutex::default(),
         })))
     }
@@ -166,9 +166,11 @@ impl Player {
         reason.or_else(|| port_blocked_by(worker))
     }
 
-    pub(super) fn begin(self) {
+    /// Replays the open file from its start. If it does not play at once, it waits there for `Play`.
+    pub(super) fn begin(self, plays: bool) {
         let replays = self.info.with_untracked(Option::is_some);
         if !replays && untrack(|| self.blocked_by()).is_none() {
+            self.plays_at_start.store(plays, Relaxed);
             self.post(ToReplay::Begin);
         }
     }
@@ -219,7 +221,6 @@ impl Player {
         self.speed.set(PlaySpeed::REAL_TIME);
         self.wanted.set(None);
         self.going.store(false, Relaxed);
-        self.plays_again.store(false, Relaxed);
         self.unreadable.set(false);
         self.frame.set(None);
         self.bookmarks.update(Bookmarks::forget_warning);
@@ -271,8 +272,8 @@ impl Player {
             self.place.set(place);
         }
         self.going.store(false, Relaxed);
-        if self.plays_again.load(Relaxed) && place.after_us < self.duration_us() {
-            self.plays_again.store(false, Relaxed);
+        if self.plays_at_start.load(Relaxed) && place.after_us < self.duration_us() {
+            self.plays_at_start.store(false, Relaxed);
             self.post(ToReplay::Play(self.speed.get_untracked()));
         }
         match self.wanted.get_untracked() {

@@ -27,7 +27,7 @@ impl Player {
         self.unreadable.set(false);
         if place.after_us >= self.duration_us() {
             // The end has nothing to play, so the order to play waits for the start.
-            self.plays_again.store(true, Relaxed);
+            self.plays_at_start.store(true, Relaxed);
             self.seek(0);
         } else {
             self.post(ToReplay::Play(self.speed.get_untracked()));
@@ -35,7 +35,7 @@ impl Player {
     }
 
     pub(super) fn pause(self) {
-        self.plays_again.store(false, Relaxed);
+        self.plays_at_start.store(false, Relaxed);
         self.post(ToReplay::Pause);
     }
 

@@ -72,6 +72,7 @@ fn measure() -> Result<()> {
     );
 
     page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
+    page.click("button", "Pause replay")?;
     // What is loaded for the first time is not a part of a jump.
     thread::sleep(Duration::from_secs(2));
     page.drop_accessibility_tree()?;

@@ -169,6 +169,9 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     page.wait_for_text("status", "Connection", |text| text.contains("Replay"))?;
     let tour = page.evaluate("document.querySelector('.tour').checkVisibility()")?;
     assert_eq!(tour, false, "it concerns no recording");
+    // It plays at once: at its start nothing is known yet.
+    page.wait_for_text("output", "Speed", |text| text.contains('0'))?;
+    page.click("button", "Pause replay")?;
     page.click("button", "Add bookmark")?;
     // It ends with Enter, which keeps the note.
     page.fill("textbox", "Note", "gravel starts here")?;
