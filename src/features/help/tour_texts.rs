@@ -60,7 +60,7 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
             "2 N·m direct drive: fasten the motor, lift the wheel, then tick. If the cable or the \
              computer fails, the wheel may keep turning: only the power switch stops it then."
         ),
-        Step::Spin => tr!("The button starts the wheel. Space stops it."),
+        Step::Spin => tr!("The button starts the wheel. STOP or Space stops it."),
         Step::Stop => tr!("Stop it here, with STOP or with Space."),
         Step::Done => tr!("Next: set a target speed and press Start."),
     };
