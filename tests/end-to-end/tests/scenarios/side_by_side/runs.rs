@@ -35,6 +35,19 @@ fn assert_braked_since(scenario: &Scenario, us: u64) -> Result<()> {
 }
 
 #[test]
+fn escape_disarms() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.open_panel("Experiments")?;
+    page.click("button", "Arm")?;
+    page.wait_for_text("status", "Run", |text| text.contains("Armed"))?;
+    page.press("Escape")?;
+    page.wait_for_text("status", "Run", |text| !text.contains("Armed"))?;
+    assert!(page.find("button", "Run")?.disabled);
+    scenario.stays_undriven(Duration::from_secs(1))
+}
+
+#[test]
 fn a_run_sends_its_setpoints_and_ends_with_stop_for_good() -> Result<()> {
     let (scenario, pressed) = running(Line::default())?;
     let page = &scenario.page;

@@ -69,6 +69,28 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
     Ok(())
 }
 
+/// It would turn the rover on the spot.
+#[test]
+fn no_key_turns_one_wheel_of_a_chosen_group() -> Result<()> {
+    let scenario = rover()?;
+    let page = &scenario.page;
+    page.find("button", "Start group")?.focus()?;
+    for key in ["f", "b", "3", "k"] {
+        page.press(key)?;
+    }
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    page.click("radio", "Motor")?;
+    let pressed = now_us();
+    page.press("f")?;
+    wait_for_wire(&scenario, pressed, "100 rpm", |wire| {
+        let drives = wire.drives();
+        drives.last().and_then(Frame::drive_setpoint) == Some(100)
+    })?;
+    page.press("Escape")?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
 /// One motor is driven in the current loop. It stops first, and then both start.
 #[test]
 fn a_group_starts_from_another_loop() -> Result<()> {
