@@ -178,12 +178,12 @@ pub(crate) fn cards(vehicle: &Vehicle) -> String {
         for wheel in vehicle.side(right) {
             let _ = write!(
                 html,
-                "<li class=\"rover-card\" data-card=\"{}\"><b>{} <span>{}</span></b>\
+                "<li class=\"rover-card\" data-card=\"{}\"><b><span>{}</span> <span>{}</span></b>\
                  <span class=\"rover-speed\"><span></span> {}</span>\
                  <span class=\"rover-rest\"></span><span class=\"rover-trouble\"></span></li>",
                 wheel.id.get(),
-                wheel.id,
                 escaped(&wheel.name),
+                wheel.id,
                 format::rpm()
             );
         }

@@ -130,6 +130,17 @@ impl Page {
         Ok(())
     }
 
+    /// Texts in the window that are cut, beside it, or drawn over each other.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn unreadable(&self) -> Result<Vec<String>> {
+        let found = self.evaluate(include_str!("unreadable.js"))?;
+        let texts = found.as_array().into_iter().flatten();
+        Ok(texts.filter_map(Value::as_str).map(str::to_owned).collect())
+    }
+
     /// Lets the person want less motion, in a light page.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use crate::ui::mathematics::limited;
 
 /// Width of the labels of the values, `+400 U/min`, in CSS pixels.
-const LEFT: f64 = 68.0;
+const LEFT: f64 = 76.0;
 /// Width of the names behind compared lines, `0x0A`, and half a time of day.
 const RIGHT: f64 = 36.0;
 /// Half a line of text above the top line.
@@ -221,7 +221,7 @@ mod tests {
             for x in [68.0, 100.0, 655.5] {
                 assert!((layout.x(layout.column(x)) - x).abs() < 1e-9);
             }
-            assert!(layout.column(68.0).abs() < 1.0);
+            assert!(layout.column(LEFT).abs() < 1.0);
             assert_eq!((layout.part(0.0), layout.part(700.0)), (0.0, 1.0));
         }
     }

@@ -2,10 +2,11 @@
 //!
 //! `cargo xtask screenshots` builds everything and runs this. The pictures go into `target/screenshots/`, or the
 //! given directory; of these, further words choose the pictures with all of them in their names, such as
-//! `target/screenshots phone de`. The pictures of the manifest go into `public/screenshots/`, and the animated
+//! `target/screenshots phone de`. It fails if a text in a picture is cut or over another one. The pictures of the manifest go into `public/screenshots/`, and the animated
 //! picture of the README goes into `docs/`; with `public` or `docs` only these are taken.
 
 use std::{
+    cell::RefCell,
     env, fs,
     path::{Path, PathBuf},
     process::ExitCode,
@@ -13,7 +14,7 @@ use std::{
     time::Duration,
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use end_to_end::{Bench, Line, Page, Scheme, Usb, View, WAIT_MAX, wait_until};
 use motorlink_i18n::{Language, set_language, translated};
 
@@ -37,12 +38,14 @@ fn take(dir: &Path, words: &[String]) -> Result<()> {
         _ => {}
     }
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+    let mut unreadable = Vec::new();
     for language in Language::ALL {
         set_language(language);
         let album = Album {
             dir: dir.to_owned(),
             language,
             words: words.to_vec(),
+            unreadable: RefCell::default(),
         };
         if album.is_empty() {
             continue;
@@ -50,11 +53,13 @@ fn take(dir: &Path, words: &[String]) -> Result<()> {
         the_desk(&album)?;
         the_places(&album)?;
         the_tools(&album)?;
+        unreadable.extend(album.unreadable.take());
     }
+    ensure!(unreadable.is_empty(), "{}", unreadable.join("\n"));
     Ok(())
 }
 
-const VIEWS: [(&str, View); 8] = [
+const VIEWS: [(&str, View); 10] = [
     ("phone", View::PHONE),
     ("sideways", View::window(844, 390)),
     ("upright", View::window(768, 1024)),
@@ -63,6 +68,9 @@ const VIEWS: [(&str, View); 8] = [
     ("desk", View::DESKTOP),
     ("wide", View::window(1920, 1080)),
     ("widest", View::window(2560, 1440)),
+    // A window of 1440 x 900 at 200 %, and one of 1280 x 1024 at 400 %.
+    ("twice", View::window(720, 450)),
+    ("fourfold", View::window(320, 256)),
 ];
 
 /// The two pictures that a browser shows when it offers to install the page.
@@ -115,6 +123,8 @@ struct Album {
     language: Language,
     /// What the name of a picture has to contain.
     words: Vec<String>,
+    /// Texts that nobody can read, with the names of their pictures.
+    unreadable: RefCell<Vec<String>>,
 }
 
 impl Album {
@@ -158,6 +168,9 @@ impl Album {
                 pause(250);
                 println!("{}", file.display());
                 page.screenshot(&file)?;
+                let texts = page.unreadable()?.into_iter();
+                let texts = texts.map(|text| format!("{}: {text}", file.display()));
+                self.unreadable.borrow_mut().extend(texts);
             }
         }
         look(page, View::DESKTOP)

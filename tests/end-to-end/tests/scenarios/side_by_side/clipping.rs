@@ -1,11 +1,26 @@
 //! Texts and windows that have the room that they need.
 
 use anyhow::Result;
-use end_to_end::{Bench, View};
+use end_to_end::{Bench, Page, View};
 use motorlink_i18n::{Language, set_language, translated};
 use serde_json::json;
 
 use crate::fixture::places::{LANDSCAPE, LAPTOP, WIDE, in_sight, look};
+
+/// In CSS pixels.
+const WINDOWS: [(u32, u32); 11] = [
+    (320, 256),
+    (320, 640),
+    (390, 844),
+    (720, 450),
+    (768, 1024),
+    (844, 390),
+    (1024, 768),
+    (1366, 657),
+    (1440, 900),
+    (1920, 1080),
+    (2560, 1440),
+];
 
 /// Fields and buttons whose text is wider than they are, or that end beyond their row, and a title of the graph without
 /// its motor.
@@ -74,6 +89,50 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
         }
     }
     set_language(Language::English);
+    Ok(())
+}
+
+/// Four motors of a rover, in every place, window and language. 720 x 450 and 320 x 256 are windows at 200 and 400 %.
+#[test]
+fn no_text_is_cut_or_over_another() -> Result<()> {
+    let mut found = Vec::new();
+    for language in Language::ALL {
+        set_language(language);
+        let bench = Bench::reuse()?;
+        let key = language.key();
+        let page = bench.open(&format!("/?lang={key}"))?;
+        page.find("button", translated("Rover"))?;
+        let mut check = |page: &Page, what: &str| -> Result<()> {
+            for (width, height) in WINDOWS {
+                look(page, View::window(width, height))?;
+                let texts = page.unreadable()?;
+                found.extend(
+                    texts
+                        .into_iter()
+                        .map(|text| format!("{key} {what} {width}x{height}: {text}")),
+                );
+            }
+            look(page, View::DESKTOP)
+        };
+        check(&page, "first screen")?;
+        page.click("button", translated("Rover"))?;
+        page.wait_for_text("output", translated("Forward"), |text| text.contains('0'))?;
+        check(&page, "tour")?;
+        page.click("button", translated("Skip the tour"))?;
+        for panel in [
+            "Drive together",
+            "Control",
+            "Recording",
+            "Experiments",
+            "ID Manager",
+            "Link",
+        ] {
+            page.open_panel(panel)?;
+            check(&page, panel)?;
+        }
+    }
+    set_language(Language::English);
+    assert!(found.is_empty(), "{}", found.join("\n"));
     Ok(())
 }
 
