@@ -80,8 +80,8 @@ impl Choice {
             }
         });
         // A single run is shown without Compare.
-        if self.marked.with_untracked(|marked| marked == &[number]) {
-            self.shown.set(vec![number]);
+        if let [only] = *self.marked.get_untracked() {
+            self.shown.set(vec![only]);
         }
     }
 
