@@ -111,7 +111,7 @@ pub(crate) enum Change<'a> {
     Place(Place),
     /// Another model was chosen for the open serial port.
     Model,
-    /// A setup has other measures of the vehicle, which are stored.
+    /// Other measures of the vehicle are in use.
     Geometry,
     /// The worker has reported this.
     Notice(&'a Notice),

@@ -25,7 +25,7 @@ impl Page {
             speed_limit: Some(preferences.limits.speed_rpm()),
             current_limit: Some(preferences.limits.current_ma()),
             temperature_limit: Some(preferences.limits.temperature_c()),
-            geometry: Some(vehicle::stored()),
+            geometry: Some(vehicle::measures()),
             names: Some(self.motors.names.get_untracked()),
         }
     }

@@ -1,6 +1,8 @@
 //! The group of motors with sides as a vehicle, and its measures. A person enters them once, and the browser stores
 //! them.
 
+use std::cell::Cell;
+
 use leptos::prelude::*;
 use motorlink_messages::{
     experiments::vehicle::{Geometry, Vehicle, Wheel},
@@ -34,16 +36,28 @@ pub(crate) fn vehicle_of(names: &NamesAndSides) -> Option<Vehicle> {
     Vehicle::new(members.filter_map(wheel).collect())
 }
 
-/// The measures in use: loaded at the first call, for the owner of the page.
+thread_local! {
+    /// The measures in use, from their first use on. The browser may store none, and another tab may store others.
+    static IN_USE: Cell<Option<Geometry>> = const { Cell::new(None) };
+}
+
+/// The measures in use, or those that would be.
+pub(crate) fn measures() -> Geometry {
+    IN_USE.get().unwrap_or_else(stored)
+}
+
+/// The same as a signal: made at the first call, for the owner of the page.
 pub(crate) fn geometry_of_page(owner: &Owner, page: Page) -> RwSignal<Geometry> {
     #[derive(Clone, Copy)]
     struct InUse(RwSignal<Geometry>);
     owner.with(|| {
         let in_use = use_context::<InUse>().unwrap_or_else(|| {
-            let geometry = RwSignal::new(stored());
+            IN_USE.set(Some(measures()));
+            on_cleanup(|| IN_USE.set(None));
+            let geometry = RwSignal::new(measures());
             let take = move |change: Change<'_>| {
                 if matches!(change, Change::Geometry) {
-                    geometry.set(stored());
+                    geometry.set(measures());
                 }
             };
             page.listen(Listener::Geometry, Box::new(take));
@@ -55,13 +69,14 @@ pub(crate) fn geometry_of_page(owner: &Owner, page: Page) -> RwSignal<Geometry> 
 }
 
 /// What this browser has stored, or the defaults.
-pub(crate) fn stored() -> Geometry {
+fn stored() -> Geometry {
     let stored = remembered(STORED_AS);
     stored.and_then(|text| from_text(&text)).unwrap_or_default()
 }
 
-/// Stores it in this browser.
+/// Uses them from now on, and stores them in this browser.
 pub(crate) fn save(geometry: Geometry) {
+    IN_USE.set(Some(geometry));
     remember(STORED_AS, &to_text(geometry));
 }
 

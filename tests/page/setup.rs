@@ -20,7 +20,7 @@ use crate::{
 
 const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm315", "command_rate_hz": 120,
     "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300,
-    "temperature_limit_c": 60, "motors": [
+    "temperature_limit_c": 60, "vehicle": {"wheel_radius_mm": 60, "track_width_mm": 420}, "motors": [
     {"id": 1, "name": "Port", "side": "left", "drives_together": true},
     {"id": 2, "name": "Starboard", "side": "right", "drives_together": true}]}"#;
 
@@ -80,7 +80,7 @@ fn kept() -> (Preferences, Option<String>, Option<String>) {
 
 fn forget() {
     Preferences::default().save();
-    for name in ["motorlink.fleet", "motorlink.ramp"] {
+    for name in ["motorlink.fleet", "motorlink.ramp", "motorlink.rover"] {
         storage().remove_item(name).unwrap();
     }
 }
@@ -105,7 +105,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let words = import(&bench, ROVER).await;
     assert_eq!(
         words,
-        "Imported: model, command rate, keep driving while hidden, ramp, limits, 2 motors."
+        "Imported: model, command rate, keep driving while hidden, ramp, limits, measures of the vehicle, 2 motors."
     );
     let settings = BusSettings {
         rate: CommandRate::new(120).unwrap(),
@@ -118,6 +118,13 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     bench.open("Drive together").await;
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
+    let has_measures = || {
+        let fields = ["Wheel radius", "Track width"];
+        let shown = |name: &&str| !bench.find_all("spinbutton", name).is_empty();
+        fields.iter().all(shown)
+            && fields.map(|name| value(&bench, "spinbutton", name)) == ["60", "420"]
+    };
+    bench.until("the measures of the file", has_measures).await;
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
     assert_eq!(side.value(), "right");

@@ -1,7 +1,7 @@
 //! What a setup would change, one line per setting.
 
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::MotorId;
+use motorlink_messages::{experiments::vehicle::Geometry, protocol::MotorId};
 
 use crate::{
     model::{
@@ -59,6 +59,12 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
             others.push(change);
         }
     }
+    let measure = |setup: &Setup, which: fn([i32; 2]) -> i32| {
+        let measures = setup.geometry.map(Geometry::entered);
+        measures.map(|measures| format!("{} mm", which(measures)))
+    };
+    let radius = |setup| measure(setup, |[radius, _]| radius);
+    let track = |setup| measure(setup, |[_, track]| track);
     let yes = |value: Option<bool>| value.map(|yes| yes_or_no(yes).to_owned());
     for (what, from, to) in [
         (tr!("Model"), model(now), model(new)),
@@ -68,6 +74,8 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
             yes(new.detect_model),
         ),
         (tr!("Command rate"), hertz(now), hertz(new)),
+        (tr!("Wheel radius"), radius(now), radius(new)),
+        (tr!("Track width"), track(now), track(new)),
     ] {
         if let (Some(from), Some(to)) = (from, to)
             && from != to
@@ -141,7 +149,7 @@ mod tests {
 
     const NOW: &str = r#"{"motorlink_setup": 1, "model": "ddsm115", "detect_model": true,
         "command_rate_hz": 50, "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0,
-        "speed_limit_rpm": 100, "current_limit_ma": 2700, "temperature_limit_c": 60,
+        "vehicle": {"wheel_radius_mm": 51, "track_width_mm": 300}, "speed_limit_rpm": 100, "current_limit_ma": 2700, "temperature_limit_c": 60,
         "motors": [{"id": 1, "name": "Port", "side": "left", "drives_together": true},
         {"id": 5, "name": "Old"}]}"#;
 

@@ -3,6 +3,7 @@
 use js_sys::{Function, Reflect};
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
+use motorlink_messages::experiments::vehicle::Geometry;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 
@@ -15,6 +16,7 @@ use crate::{
     },
     model::{
         graph_view::GraphView, guards::import_blocked_by, page::Page, setup::Setup, setup_texts,
+        vehicle::geometry_of_page,
     },
     ui::{button::PressButton, listener::on_window, reactive::dynamic},
 };
@@ -31,6 +33,7 @@ pub(crate) struct LinkedGraph {
 #[derive(Clone, Copy)]
 pub(crate) struct SetupLink {
     page: Page,
+    geometry: RwSignal<Geometry>,
     graph: StoredValue<LinkedGraph, LocalStorage>,
     /// The setup of the link that was opened, as a file, until the user has answered; else nothing. It is text: a signal
     /// of another type is code of its own.
@@ -45,6 +48,7 @@ impl SetupLink {
             use_context().unwrap_or_else(|| {
                 let new = Self {
                     page,
+                    geometry: geometry_of_page(owner, page),
                     graph: StoredValue::new_local(graph()),
                     linked: RwSignal::new(String::new()),
                     said: RwSignal::new(String::new()),
@@ -156,6 +160,7 @@ impl SetupLink {
     fn track_setup(self) {
         self.page.preferences.track();
         self.page.motors.names.track();
+        self.geometry.track();
         let targets = self.page.settings;
         for target in [
             targets.rate,
@@ -226,7 +231,7 @@ pub(crate) fn SetupLinkPanel(of: SetupLink) -> impl IntoView {
             <h3>{tr!("Link with this setup")}</h3>
             <p>
                 {tr!(
-                    "It has names, sides, groups, model, ramp, rate and limits, and what the page shows now: motor, tab and graph. They are in a part of the address that is sent to no server."
+                    "It has names, sides, groups, measures, model, ramp, rate and limits, and what the page shows now: motor, tab and graph. They are in a part of the address that is sent to no server."
                 )}
             </p>
             <input
