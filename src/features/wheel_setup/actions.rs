@@ -17,7 +17,7 @@ use crate::{
         wheel::with_wheels,
     },
     model::{
-        guards::drive_blocked_by,
+        guards::{drive_blocked_by, id_change_blocked_by},
         id_progress::IdProgress,
         names_and_sides::NamesAndSides,
         page::{Change, Listener, Page},
@@ -160,11 +160,8 @@ impl WheelSetup {
     }
 
     fn scan_refused(self) {
-        let reason = tr!(
-            "Not connected, or a scan is running. Connect or wait for the scan, then press the \
-             button again."
-        );
-        self.change(|setup| setup.refused(reason.to_owned()));
+        let reason = self.page.latest.with_value(id_change_blocked_by);
+        self.change(|setup| setup.refused(reason.unwrap_or_default()));
     }
 
     /// Scans for all motors.

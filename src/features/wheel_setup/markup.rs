@@ -20,6 +20,8 @@ use crate::{
 #[derive(Default)]
 pub(crate) struct Blocked {
     pub(crate) scan: Option<String>,
+    /// Why no ID can be changed.
+    pub(crate) change: Option<String>,
     /// For each wheel; `None` if it can be spun.
     pub(crate) spins: Vec<Option<String>>,
 }
@@ -159,8 +161,7 @@ fn busy(setup: &Setup) -> Option<&'static str> {
 
 /// A button that starts a scan. The reason why it is disabled is also a line below it, because a tooltip appears neither
 /// for touch nor for the keyboard. While this panel scans, a button cancels the scan.
-fn scan(value: &str, label: &str, setup: &Setup, blocked: &Blocked) -> String {
-    let reason = blocked.scan.as_deref();
+fn scan(value: &str, label: &str, setup: &Setup, reason: Option<&str>) -> String {
     let scan = button(value, " primary", label, reason);
     let below = match (setup.activity, reason) {
         (Activity::Finding | Activity::Checking, _) => {
@@ -197,12 +198,17 @@ fn id(setup: &Setup, blocked: &Blocked) -> String {
     let more = match &setup.outcome {
         Outcome::Kept(Some(more)) => {
             let label = tr!("Send {count} frames", count = more.count());
-            button("more", "", &label, blocked.scan.as_deref())
+            button("more", "", &label, blocked.change.as_deref())
         }
         _ => String::new(),
     };
     [
-        scan("find", tr!("Find and set ID"), setup, blocked),
+        scan(
+            "find",
+            tr!("Find and set ID"),
+            setup,
+            blocked.change.as_deref(),
+        ),
         more,
         step_buttons(&[
             back(setup),
@@ -233,7 +239,7 @@ fn check(setup: &Setup, blocked: &Blocked) -> String {
     let may = setup.may_spin() && !setup.is_busy();
     let reason = (!may).then(|| tr!("Press Check all first. At least one motor must reply."));
     [
-        scan("check", tr!("Check all"), setup, blocked),
+        scan("check", tr!("Check all"), setup, blocked.scan.as_deref()),
         list(tr!("Wheels on the bus"), &check_rows(setup)),
         step_buttons(&[
             back(setup),

@@ -29,7 +29,7 @@ fn every_step_is_marked_in_the_list_and_has_its_next_button() {
 fn a_scan_that_cannot_start_says_why_and_a_scan_of_the_panel_can_be_cancelled() {
     let mut setup = Setup::at(Step::Id(0), Layout::Two.wheels());
     let blocked = Blocked {
-        scan: Some("Not connected.".to_owned()),
+        change: Some("Not connected.".to_owned()),
         ..Blocked::default()
     };
     let html = of(&setup, &blocked);

@@ -14,7 +14,7 @@ use crate::{
         wheel::{Layout, Wheel, free_id},
     },
     model::{
-        guards::id_change_blocked_by,
+        guards::{id_change_blocked_by, scan_blocked_by},
         names_and_sides::{NAME_MAX, Side},
         scan_texts::of_progress,
         tool_entry::{NEW_ID, NO_NEW_ID},
@@ -78,7 +78,8 @@ fn show_controls(setup: WheelSetup, place: NodeRef<Div>) {
         setup.setup.with(|setup| {
             let wheels = setup.wheels.iter();
             let blocked = page.shown.with(|session| Blocked {
-                scan: id_change_blocked_by(session),
+                scan: scan_blocked_by(session),
+                change: id_change_blocked_by(session),
                 spins: wheels
                     .map(|wheel| spin_blocked_by(session, wheel.motor()?))
                     .collect(),
