@@ -48,6 +48,7 @@ impl Player {
 
     pub(in crate::features::session_file) fn step(self, forward: bool) {
         self.unreadable.set(false);
+        self.plays_at_start.store(false, Relaxed);
         self.post(ToReplay::Step { forward });
     }
 

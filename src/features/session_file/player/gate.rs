@@ -1,5 +1,7 @@
 //! Which messages cross between the recording and the live line.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use leptos::prelude::Set as _;
 use motorlink_messages::{
     ToWorker,
@@ -50,6 +52,7 @@ impl Player {
             }
             Crossing::Row(number) => {
                 self.unreadable.set(false);
+                self.plays_at_start.store(false, Relaxed);
                 self.post(ToReplay::SeekRow(number));
                 true
             }
