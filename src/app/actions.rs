@@ -67,16 +67,16 @@ impl Features {
         }
     }
 
-    /// Runs the action of a key. While the group is chosen, no key turns or brakes one of its wheels.
+    /// Runs the action of a key. While the group is chosen, no key turns one of its wheels, or shows its controls.
     pub(crate) fn run_key_action(self, action: KeyAction) {
         match action {
             KeyAction::Stop => self.drive.stop_motor(),
             KeyAction::Help => self.page.dialog.set(Some(Dialog::Help(None))),
+            KeyAction::Brake => self.drive.drive(Setpoint::Brake),
             _ if self.page.group.get_untracked() => {}
             KeyAction::Forward => self.drive.drive_at(self.drive.targets.preset_rpm()),
             KeyAction::Backward => self.drive.drive_at(-self.drive.targets.preset_rpm()),
             KeyAction::Preset(rpm) => self.drive.drive_at(rpm),
-            KeyAction::Brake => self.drive.drive(Setpoint::Brake),
             KeyAction::Show(mode) => self.drive.show(mode),
         }
     }

@@ -38,7 +38,7 @@ pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     if !alive {
         tr!("The packet log has stopped. Motors keep running.")
     } else if log.kept == 0 {
-        tr!("No frames yet. Each is listed here with its time in milliseconds.")
+        tr!("No frames yet. Each is listed here with its time, to the millisecond.")
     } else if log.shown > 0 || log.filtered_per_mille < 1000 {
         ""
     } else if log.collapsed == log.kept {

@@ -1,11 +1,15 @@
-// Texts in the window that are cut, beside it, or drawn over each other. A list that scrolls may hide its rows.
+// Texts that are cut, beside the window, over the edge of their card, or drawn over each other. It sees texts of elements,
+// not those in fields. Of texts that the window does not show, it sees only whether they are cut. A list that scrolls may
+// hide its rows.
 (() => {
     const found = new Set();
     const texts = [];
     const range = document.createRange();
     // What wraps out of sight where there is no room stands elsewhere too: the motor of a title in the strip, the ID of a
-    // wheel in the drawing. Rows of the log are drawn up to the edge of their list.
-    const exempt = '.graph-head h2 span, .read-out-name .motor-title, .rover-card b > :last-child, .packet-window, script, style, option, [inert]';
+    // wheel in the drawing.
+    const exempt = '.graph-head h2 span, .read-out-name .motor-title, .rover-card b > :last-child, script, style, option, [inert]';
+    // Rows of the log are drawn up to the edge of their list.
+    const mayBeCut = '.packet-window';
     // Only screen readers find it.
     const isClipped = (style) => style.clipPath !== 'none' || style.clip !== 'auto';
     const isUnpainted = (element) => {
@@ -48,19 +52,19 @@
         for (const box of range.getClientRects()) {
             const part = box.width && shown(element, box);
             if (!part) continue;
-            if (part.cutter) found.add(`cut: ${words}, in ${part.cutter.getAttribute('class') ?? part.cutter.localName}`);
+            if (part.cutter && !element.closest(mayBeCut)) found.add(`cut: ${words}, in ${part.cutter.getAttribute('class') ?? part.cutter.localName}`);
             if (part.bottom <= part.top || part.right <= part.left) continue;
-            if (part.bottom < 0 || part.top > innerHeight) continue;
             if (part.right > innerWidth + 1 || part.left < -1) found.add(`beside the window: ${words}`);
             const card = element.closest('.panel, .rover-card, .button')?.getBoundingClientRect();
             if (card && (part.right > card.right + 1 || part.left < card.left - 1)) found.add(`over the edge: ${words}`);
+            if (part.bottom < 0 || part.top > innerHeight) continue;
             texts.push({ node, element, words, ...part });
         }
     }
 
     const isOpaque = (element) => {
         const { backgroundColor, backgroundImage } = getComputedStyle(element);
-        const alpha = /rgba\(.*?([\d.]+)\)/.exec(backgroundColor);
+        const alpha = /(?:rgba\(.*,|\/) ?([\d.]+)\)/.exec(backgroundColor);
         return backgroundImage !== 'none' || !alpha || Number(alpha[1]) > 0.5;
     };
     /** Whether nothing opaque lies over a text at a point. */
@@ -71,6 +75,10 @@
         }
         return true;
     };
+    // Else the texts that take no click are not found at a point.
+    const clickable = new CSSStyleSheet();
+    clickable.replaceSync('* { pointer-events: auto !important; }');
+    document.adoptedStyleSheets.push(clickable);
     for (const [at, one] of texts.entries()) {
         for (const two of texts.slice(at + 1)) {
             if (one.node === two.node) continue;
@@ -81,5 +89,6 @@
             if (isSeen(one, x, y) && isSeen(two, x, y)) found.add(`over each other: ${one.words}, ${two.words}`);
         }
     }
+    document.adoptedStyleSheets.pop();
     return [...found];
 })()

@@ -137,7 +137,7 @@ impl Page {
     /// When Chromium does not answer.
     pub fn unreadable(&self) -> Result<Vec<String>> {
         let found = self.evaluate(include_str!("unreadable.js"))?;
-        let texts = found.as_array().into_iter().flatten();
+        let texts = found.as_array().context("no list of texts")?.iter();
         Ok(texts.filter_map(Value::as_str).map(str::to_owned).collect())
     }
 

@@ -19,8 +19,8 @@ use crate::bench::{motor, press};
 /// Where an event is: the part of the plot's width, and the row of the canvas.
 fn place(bench: &Page, (part, row): (f64, f64)) -> (i32, i32) {
     let graph = graph(bench).get_bounding_client_rect();
-    let plot_width = graph.width() - 68.0 - 36.0;
-    let x = graph.left() + 68.0 + part * plot_width;
+    let plot_width = graph.width() - 76.0 - 36.0;
+    let x = graph.left() + 76.0 + part * plot_width;
     #[allow(clippy::cast_possible_truncation, reason = "a place on the screen")]
     let whole = |pixels: f64| pixels.round() as i32;
     (whole(x), whole(graph.top() + row))

@@ -92,7 +92,44 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
     Ok(())
 }
 
-/// Four motors of a rover, in every place, window and language. 720 x 450 and 320 x 256 are windows at 200 and 400 %.
+/// One text of each kind that nobody can read.
+const UNREADABLE: &str = "(() => {
+    document.body.replaceChildren();
+    for (const [text, style] of [
+        ['a text that is cut', 'top: 10px; width: 20px; overflow: hidden; white-space: nowrap'],
+        ['beside', 'top: 60px; left: -20px'],
+        ['below', 'top: 110px'],
+        ['above', 'top: 112px; pointer-events: none'],
+        ['a text over the edge', 'top: 160px; width: 30px; white-space: nowrap'],
+    ]) {
+        const words = document.createElement('p');
+        words.textContent = text;
+        words.className = text.endsWith('edge') ? 'panel' : '';
+        words.style.cssText = `position: fixed; ${style}`;
+        document.body.append(words);
+    }
+})()";
+
+#[test]
+fn what_nobody_can_read_is_found() -> Result<()> {
+    let bench = Bench::reuse()?;
+    let page = bench.open("/")?;
+    page.find("button", "Rover")?;
+    page.evaluate(UNREADABLE)?;
+    let found = page.unreadable()?;
+    for kind in [
+        "cut: a text",
+        "beside the window: ",
+        "over each other: ",
+        "over the edge: ",
+    ] {
+        let of_kind = found.iter().filter(|text| text.starts_with(kind));
+        assert_eq!(of_kind.count(), 1, "{kind}: {found:?}");
+    }
+    Ok(())
+}
+
+/// Four motors of a rover, in the five places, in each window and language. 720 x 450 and 320 x 256 are windows at 200 and 400 %.
 #[test]
 fn no_text_is_cut_or_over_another() -> Result<()> {
     let mut found = Vec::new();

@@ -75,7 +75,7 @@ fn no_key_turns_one_wheel_of_a_chosen_group() -> Result<()> {
     let scenario = rover()?;
     let page = &scenario.page;
     page.find("button", "Start group")?.focus()?;
-    for key in ["f", "b", "3", "k"] {
+    for key in ["f", "b", "3"] {
         page.press(key)?;
     }
     scenario.stays_undriven(Duration::from_secs(1))?;
