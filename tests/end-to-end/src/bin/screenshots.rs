@@ -2,8 +2,8 @@
 //!
 //! `cargo xtask screenshots` builds everything and runs this. The pictures go into `target/screenshots/`, or the
 //! given directory; of these, further words choose the pictures with all of them in their names, such as
-//! `target/screenshots phone de`. It fails if a text in a picture is cut or over another one. The pictures of the manifest go into `public/screenshots/`, and the animated
-//! picture of the README goes into `docs/`; with `public` or `docs` only these are taken.
+//! `target/screenshots phone de`. It fails if a text in a picture is cut or over another one. The pictures of the manifest
+//! go into `public/screenshots/`, and the animated picture of the README goes into `docs/`; with `public` or `docs` only these are taken.
 
 use std::{
     cell::RefCell,

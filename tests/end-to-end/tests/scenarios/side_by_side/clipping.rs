@@ -129,7 +129,8 @@ fn what_nobody_can_read_is_found() -> Result<()> {
     Ok(())
 }
 
-/// Four motors of a rover, in the five places, in each window and language. 720 x 450 and 320 x 256 are windows at 200 and 400 %.
+/// Four motors of a rover, in the five places, in each window and language. 720 x 450 and 320 x 256 are windows at 200 and
+/// 400 %.
 #[test]
 fn no_text_is_cut_or_over_another() -> Result<()> {
     let mut found = Vec::new();
