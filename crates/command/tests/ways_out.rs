@@ -133,8 +133,10 @@ fn a_pipe_that_is_closed_ends_the_command_without_a_panic() {
         "--help",
         &info,
     ] {
-        let mut command = bench.command(line).spawn().unwrap();
-        drop(command.stdout.take());
+        // Closed before the command starts: it must not write before that.
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let command = bench.command(line).stdout(writer).spawn().unwrap();
         let said = Said::of(command.wait_with_output().unwrap());
         assert_eq!(said.code, Some(1), "{line}: {said:?}");
         let last = said.err.trim().trim_start_matches("motorlink: ");
