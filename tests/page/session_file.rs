@@ -90,6 +90,11 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
 async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
     let (sessions, bench) = panel("session-span").await;
     let mut ranges = Vec::new();
+    let choose = |choice: &str| {
+        let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
+        what.set_value(choice);
+        what.dispatch_event(&Event::new("change").unwrap()).unwrap();
+    };
     for (choice, runs, said) in [
         ("line", RunsSaved::default(), " records"),
         (
@@ -99,9 +104,7 @@ async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
         ),
         ("line-before", runs_saved(1, true), "are missing"),
     ] {
-        let what: HtmlSelectElement = bench.find("combobox", "What to save").unchecked_into();
-        what.set_value(choice);
-        what.dispatch_event(&Event::new("change").unwrap()).unwrap();
+        choose(choice);
         bench.click("Save session");
         let (ToSessions::Save { range, .. }, _) = sessions.next().await else {
             panic!("it saves")
@@ -118,6 +121,15 @@ async fn the_last_ten_minutes_are_saved_if_chosen_and_runs_are_said() {
             SaveRange::LineBefore
         ]
     );
+    // This page has recorded nothing.
+    choose("recording");
+    let save = || bench.find("button", "Save session");
+    bench
+        .until("the reason", || {
+            save().title().starts_with("Nothing is recorded")
+        })
+        .await;
+    assert!(save().has_attribute("disabled"));
 }
 
 #[wasm_bindgen_test]

@@ -4,7 +4,7 @@
 //! replies. So the sequence begins with the replies from before the log, with marks that say what else is known of
 //! their motors. Behind that come the entries of the log.
 
-use std::ops::Range;
+use std::{ops::Range, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::sessions::{KeptRecord, Progress, SaveRange};
@@ -44,17 +44,31 @@ impl KeptReader {
             samples.first()..samples.end()
         };
         let newest_sample = |which| sample_at(which, samples(which).end.checked_sub(1)?);
+        // From the first to the last recorded sample of a line.
+        let recorded = |line: &Range<Instant>| {
+            let at = |number| sample_at(SampleSet::Recorded, number);
+            let numbers = within(line, samples(SampleSet::Recorded), at);
+            let last = numbers.clone().last().and_then(at)?;
+            Some(at(numbers.start)?..last + Duration::from_micros(1))
+        };
         let newest = [
             all.end.checked_sub(1).and_then(entry_at),
             newest_sample(SampleSet::Recorded),
             newest_sample(SampleSet::Rolling),
         ];
         let newest = newest.into_iter().flatten().max().unwrap_or_default();
-        let mut span = log.states().lines.span(wanted == SaveRange::LineBefore);
-        if let SaveRange::Last(last) = wanted {
-            let since = newest - last;
-            span.start = span.start.max(since);
-        }
+        let line = |is_before| log.states().lines.span(is_before);
+        let span = match wanted {
+            SaveRange::Line => line(false),
+            SaveRange::LineBefore => line(true),
+            SaveRange::Last(last) => {
+                let line = line(false);
+                line.start.max(newest - last)..line.end
+            }
+            SaveRange::Recording => recorded(&line(false))
+                .or_else(|| recorded(&line(true)))
+                .unwrap_or_default(),
+        };
         let range = |which| {
             let range = within(&span, samples(which), |number| sample_at(which, number));
             (which, range)

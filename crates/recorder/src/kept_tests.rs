@@ -361,3 +361,30 @@ fn what_two_lines_have_carried_is_never_in_one_range() {
         [60, 110, 120].map(at)
     );
 }
+
+#[test]
+fn the_recording_is_from_its_first_to_its_last_sample_of_one_line() {
+    let mut recorder = recorder(1_000);
+    let real = Connection::Connected(Adapter::Serial(None));
+    assert!(times(&mut recorder, SaveRange::Recording).is_empty());
+    shows(&mut recorder, 10, Connection::Connected(Adapter::VIRTUAL));
+    recorder.add_event(&received(20));
+    assert!(times(&mut recorder, SaveRange::Recording).is_empty());
+    recorder.handle(ToRecorder::Record(true));
+    recorder.add_event(&received(30));
+    recorder.add_event(&sent(35, QUERY));
+    recorder.add_event(&received(40));
+    recorder.handle(ToRecorder::Record(false));
+    recorder.add_event(&received(50));
+    let samples = [30, 35, 40].map(at);
+    assert_eq!(times(&mut recorder, SaveRange::Recording), samples);
+
+    // Another line alone does not change it.
+    shows(&mut recorder, 60, real);
+    recorder.add_event(&received(70));
+    assert_eq!(times(&mut recorder, SaveRange::Recording), samples);
+    recorder.handle(ToRecorder::Record(true));
+    recorder.add_event(&received(80));
+    recorder.handle(ToRecorder::Record(false));
+    assert_eq!(times(&mut recorder, SaveRange::Recording), [80].map(at));
+}

@@ -17,6 +17,7 @@ pub(crate) enum RecorderRequest {
 /// The numbers of ranges; others are seconds.
 const LINE: f64 = -1.0;
 const LINE_BEFORE: f64 = -2.0;
+const RECORDING: f64 = -3.0;
 
 impl RecorderRequest {
     /// The message: the number of a range, or `false` for the next part.
@@ -24,6 +25,7 @@ impl RecorderRequest {
         match self {
             Self::First(SaveRange::Line) => LINE.into(),
             Self::First(SaveRange::LineBefore) => LINE_BEFORE.into(),
+            Self::First(SaveRange::Recording) => RECORDING.into(),
             Self::First(SaveRange::Last(last)) => last.as_secs_f64().into(),
             Self::Next => JsValue::FALSE,
         }
@@ -36,6 +38,8 @@ impl RecorderRequest {
             let last = Duration::try_from_secs_f64(number).ok();
             let other = if number == LINE_BEFORE {
                 SaveRange::LineBefore
+            } else if number == RECORDING {
+                SaveRange::Recording
             } else {
                 SaveRange::Line
             };

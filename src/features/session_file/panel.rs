@@ -2,6 +2,7 @@
 
 use leptos::{html::Input, prelude::*};
 use motorlink_i18n::tr;
+use motorlink_messages::sessions::SaveRange;
 use wasm_bindgen::JsCast;
 use web_sys::HtmlInputElement;
 
@@ -30,7 +31,17 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
     files.follow(incoming);
     let chooser = NodeRef::<Input>::new();
     let alive = files.page.recorder().alive;
-    let save_blocked_by = move || (!alive.get()).then(|| no_recorder().to_owned());
+    let recording = files.page.recorder().recording;
+    let save_blocked_by = move || {
+        let has_nothing = files.save_range.get() == SaveRange::Recording
+            && recording.with(|recording| recording.recorded == 0);
+        if alive.get() {
+            has_nothing
+                .then(|| tr!("Nothing is recorded: press Record telemetry first.").to_owned())
+        } else {
+            Some(no_recorder().to_owned())
+        }
+    };
     let open_blocked_by = move || {
         let drives = files.page.shown.with(Session::is_anything_driven);
         let reads = files.reading.get().is_some();

@@ -26,6 +26,7 @@ pub(super) fn of_save_range(range: SaveRange) -> &'static str {
     match range {
         SaveRange::Line => tr!("All of this line"),
         SaveRange::Last(_) => tr!("Last 10 minutes"),
+        SaveRange::Recording => tr!("The recording"),
         SaveRange::LineBefore => tr!("The line before"),
     }
 }

@@ -61,6 +61,8 @@ pub enum SaveRange {
     Last(Duration),
     /// All of the line before it.
     LineBefore,
+    /// From the first to the last sample of the recording, of the line of the last one.
+    Recording,
 }
 
 /// Another file of an open session.
