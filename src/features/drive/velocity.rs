@@ -23,17 +23,10 @@ const MODE: Mode = Mode::Velocity;
 
 /// The keys of this tab, as HTML. Which speeds the digits have depends on the limit, so the help has them.
 fn hint() -> String {
-    let key = |cap| format!("<kbd>{cap}</kbd>");
     let keys = tr!(
-        "{F}{B} forward, back {S} stop {K} brake {one}–{five} preset speeds",
-        F = key('F'),
-        B = key('B'),
-        S = key('S'),
-        K = key('K'),
-        one = key('1'),
-        five = key('5')
+        "<kbd>F</kbd><kbd>B</kbd> forward, back <kbd>S</kbd> stop <kbd>K</kbd> brake <kbd>1</kbd>–<kbd>5</kbd> preset speeds"
     );
-    format!("<span class=\"keys\">{keys}</span>")
+    ["<span class=\"keys\">", keys, "</span>"].concat()
 }
 
 /// What a unit of the acceleration is.
@@ -45,9 +38,12 @@ fn acceleration_hint(model: Model) -> &'static str {
     }
 }
 
-/// What a positive speed does.
-fn positive_direction(mirrored: bool) -> &'static str {
-    if mirrored {
+/// What the motor reaches if this speed is beyond that, else what a positive speed does.
+fn speed_hint(model: Model, rpm: i32, mirrored: bool) -> &'static str {
+    let nominal = &model.spec().nominal;
+    if nominal.supply_v.is_some() && rpm.unsigned_abs() > nominal.no_load_rpm.into() {
+        tr!("Reaches about 200 rpm at 18 V without load")
+    } else if mirrored {
         tr!("Mirrored: + is clockwise, facing the wheel")
     } else {
         tr!("+ is counter-clockwise, facing the wheel")
@@ -67,7 +63,9 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let speed_max = Box::leak(Box::new(move || page.speed_max()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
-    let direction = Signal::derive(move || positive_direction(mirrored.get()).to_owned());
+    let hint_of_speed = Signal::derive(move || {
+        speed_hint(page.model.get(), targets.speed.get(), mirrored.get()).to_owned()
+    });
     let ends = Signal::derive(move || {
         let (back, forward) = if mirrored.get() {
             (tr!("CCW"), tr!("CW"))
@@ -98,7 +96,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             id="target-speed"
             name=tr!("Target speed")
             unit=format::rpm()
-            hint=direction
+            hint=hint_of_speed
             target=targets.speed
             entry=entry::SPEED
             limit=speed_max
@@ -151,4 +149,31 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         </div>
     };
     loop_panel(drive, MODE, start_blocked_by, hint().into(), body)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speed_that_the_motor_does_not_reach_names_what_it_reaches() {
+        let nominal = Model::Ddsm115.spec().nominal;
+        let (rpm, volts) = (nominal.no_load_rpm, nominal.supply_v.unwrap());
+        let expected = format!("Reaches about {rpm} rpm at {volts} V without load");
+        for (target, is_beyond) in [
+            (0, false),
+            (200, false),
+            (-200, false),
+            (201, true),
+            (-330, true),
+        ] {
+            let hint = speed_hint(Model::Ddsm115, target, false);
+            assert_eq!(hint == expected, is_beyond, "{target}: {hint}");
+        }
+        // No source gives the voltage of the others' no-load speed.
+        for model in [Model::Ddsm315, Model::Ddsm210, Model::Ddsm400] {
+            let hint = speed_hint(model, 380, true);
+            assert!(hint.starts_with("Mirrored"), "{model}: {hint}");
+        }
+    }
 }
