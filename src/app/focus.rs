@@ -8,7 +8,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlElement};
+use web_sys::{Element, HtmlElement, KeyboardEvent};
 
 use crate::{
     app::keyboard::{has_focus, last_target},
@@ -56,6 +56,14 @@ pub(crate) fn keep(page: Page) {
     on("pointerdown", |held, _| held.by_pointer = true);
     on("keydown", |held, _| held.by_pointer = false);
     on("keyup", |_, _| ());
+    on_window("keydown", |event| {
+        if let Ok(key) = event.dyn_into::<KeyboardEvent>()
+            && key.alt_key()
+            && key.code().starts_with("Digit")
+        {
+            in_two_frames(move || enter_place(&key));
+        }
+    });
     check_soon(&held);
     // Most controls are hidden or disabled by a report of the worker.
     let shown = Rc::clone(&held);
@@ -183,6 +191,17 @@ fn enter(panel: &Element) {
         .map(|focused| focused.closest(OPENED));
     if !matches!(opened, Some(Ok(Some(_)))) {
         focus_on(panel);
+    }
+}
+
+/// Gives the focus to the place that this key has opened.
+fn enter_place(key: &KeyboardEvent) {
+    // The rail prevents the default of the keys that it takes.
+    let opened = key.default_prevented();
+    let controls = || document().query_selector(CONTROLS).ok().flatten();
+    if let Some(controls) = opened.then(controls).flatten() {
+        focus_on(&controls);
+        window().scroll_to_with_x_and_y(0.0, 0.0);
     }
 }
 

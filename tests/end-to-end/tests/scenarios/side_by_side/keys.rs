@@ -242,6 +242,10 @@ fn the_focus_is_never_lost() -> Result<()> {
     page.find("spinbutton", "Speed limit")?.focus()?;
     page.press("Alt+1")?;
     wait_for_focus(&page, "it.id === 'control'")?;
+    // And the place that a key opens has it at once, although its opener stays in sight.
+    page.find("button", "Help")?.focus()?;
+    page.press("Alt+5")?;
+    wait_for_focus(&page, "it.id === 'control'")?;
     assert_quiet_console(&page);
     Ok(())
 }
