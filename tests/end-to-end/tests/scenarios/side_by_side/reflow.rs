@@ -1,11 +1,15 @@
 //! Reflow (WCAG 1.4.10): in a window as wide as one of 1280 pixels at 400 % nothing is lost, and nothing has to be
-//! scrolled in two directions. The log, the graph and tables may scroll by themselves.
+//! scrolled in two directions. The log, the graph and tables may scroll by themselves. No bar covers what has the focus.
 
 use anyhow::Result;
-use end_to_end::{Line, Page, View};
+use end_to_end::{Bench, Line, Page, View};
 use serde_json::json;
 
-use crate::fixture::{Scenario, places::look, spin};
+use crate::fixture::{
+    Scenario,
+    places::{LANDSCAPE, look},
+    spin,
+};
 
 /// A narrow phone, and 1280 x 1024 at 400 %.
 const VIEWS: [View; 2] = [View::window(320, 640), View::window(320, 256)];
@@ -103,5 +107,52 @@ fn at_400_percent_nothing_is_lost() -> Result<()> {
         page.click("button", "Release")?;
     }
     assert_eq!(json!(lost), json!([]), "\n{}", lost.join("\n"));
+    Ok(())
+}
+
+/// A phone, the same held sideways, and 1440 x 900 at 200 %: there the bars take the most of the window.
+const LOW_OR_NARROW: [View; 3] = [View::PHONE, LANDSCAPE, View::window(720, 450)];
+
+/// What lies over the middle of the focused control, and over the corners of a large one; `null` if nothing has the focus.
+const OVER_FOCUS: &str = "new Promise(requestAnimationFrame).then(() => {
+    const it = document.activeElement;
+    if (!it || it === document.body) return null;
+    const { left, top, right, bottom } = it.getBoundingClientRect();
+    const [x, width] = [Math.max(left, 0), Math.min(right, innerWidth) - Math.max(left, 0)];
+    const [y, height] = [Math.max(top, 0), Math.min(bottom, innerHeight) - Math.max(top, 0)];
+    const own = [it, ...(it.labels ?? [])];
+    const corners = height > 60 ? [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9], [0.9, 0.9]] : [];
+    const over = [[0.5, 0.5], ...corners].map(([right, down]) =>
+        document.elementFromPoint(x + right * width, y + down * height));
+    if (over.some((one) => one && (one.contains(it) || own.some((element) => element.contains(one))))) return '';
+    const name = (it.getAttribute('aria-label') || it.innerText || it.className).slice(0, 40).replace(/\\s+/g, ' ');
+    return `${name} at ${Math.round(x)}, ${Math.round(y)} under ${over[0] ? over[0].outerHTML.slice(0, 80) : 'the edge'}`;
+})";
+
+/// Focus not obscured (WCAG 2.4.11).
+#[test]
+fn what_has_the_focus_is_under_no_bar() -> Result<()> {
+    let bench = Bench::reuse()?;
+    let page = bench.open("/?port=virtual&motors=2")?;
+    page.click("button", "Skip the tour")?;
+    let mut covered = Vec::new();
+    for view in LOW_OR_NARROW {
+        look(&page, view)?;
+        for place in 1..=5 {
+            page.press(&format!("Alt+{place}"))?;
+            let mut seen = 0;
+            for _ in 0..40 {
+                page.press("Tab")?;
+                let over = page.evaluate(OVER_FOCUS)?;
+                let Some(over) = over.as_str() else { break };
+                seen += 1;
+                if !over.is_empty() {
+                    covered.push(format!("{view:?}, Alt+{place}: {over}"));
+                }
+            }
+            assert!(seen > 5, "{view:?}, Alt+{place}: {seen} controls");
+        }
+    }
+    assert!(covered.is_empty(), "{}", covered.join("\n"));
     Ok(())
 }
