@@ -44,6 +44,10 @@ const FLAGS: [&str; 18] = [
     "disable-breakpad",
 ];
 
+/// The names of all that the origin of a page has stored.
+const STORED: &str = "indexedDB.databases().then(databases =>
+    [...Object.keys(localStorage), ...databases.map(database => database.name)].join())";
+
 /// Maximal time for the browser to exit, which takes about 0.1 s.
 const END_MAX: Duration = Duration::from_secs(5);
 
@@ -124,8 +128,18 @@ impl Chromium {
         for tab in tabs {
             self.close(&tab)?;
         }
-        let all = json!({ "origin": origin, "storageTypes": "all" });
-        empty.call("Storage.clearDataForOrigin", all).map(drop)
+        // What a page wrote just before its end can arrive after the deletion.
+        retry("delete what was stored", 5, || {
+            let all = json!({ "origin": origin, "storageTypes": "all" });
+            empty.call("Storage.clearDataForOrigin", all)?;
+            empty.load(WAIT_MAX, &format!("{origin}/icon.svg"))?;
+            let left = empty.evaluate(STORED)?;
+            empty.load(WAIT_MAX, "about:blank")?;
+            Ok(match left.as_str() {
+                Some("") => Ok(()),
+                _ => Err(format!("there is {left}")),
+            })
+        })
     }
 
     /// Closes a tab, whatever the page in it does.
