@@ -46,7 +46,7 @@ pub(crate) fn LinkQuality() -> impl IntoView {
             <output
                 aria-label=tr!("Link")
                 aria-live="off"
-                title=tr!("Drive frames per second · round trip · requests without a valid reply")
+                title=tr!("Drive frames per second · round trip · lost of the last 100 requests")
                 inner_html=dynamic(move || parts.get())
             ></output>
         </div>
