@@ -4,6 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{Command, CommandRate, Consent, Limits, StopReason},
+    experiments::vehicle::Geometry,
     protocol::{Setpoint, family::Model},
     recorder::ToRecorder,
 };
@@ -119,7 +120,7 @@ impl Features {
             speed_limit: Some(limits.speed_rpm()),
             current_limit: Some(limits.current_ma()),
             temperature_limit: Some(limits.temperature_c()),
-            geometry: None,
+            geometry: Some(Geometry::default()),
             names: Some(NamesAndSides::default()),
         });
         let first = Preferences::default();

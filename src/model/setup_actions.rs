@@ -43,10 +43,6 @@ impl Page {
             (Some(reason), _) => setup_texts::of_refusal(&reason),
             (None, Ok(setup)) => {
                 let words = setup_texts::of_taken(&setup);
-                if let Some(geometry) = setup.geometry {
-                    vehicle::save(geometry);
-                    self.announce(Change::Geometry);
-                }
                 self.take_setup(setup);
                 words
             }
@@ -92,6 +88,10 @@ impl Page {
                 target.set(limit.map_or_else(|| target.get_untracked(), Into::into));
             }
             self.set_limits();
+        }
+        if let Some(geometry) = setup.geometry {
+            vehicle::save(geometry);
+            self.announce(Change::Geometry);
         }
         if let Some(names) = setup.names {
             self.replace_names_and_sides(names);

@@ -15,6 +15,7 @@ use web_sys::{
 
 use crate::{
     bench::{Bench, document, motor},
+    fake_recorder::FakeRecorder,
     tools::{report, standing},
 };
 
@@ -23,6 +24,9 @@ const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm315", "command_rate_
     "temperature_limit_c": 60, "vehicle": {"wheel_radius_mm": 60, "track_width_mm": 420}, "motors": [
     {"id": 1, "name": "Port", "side": "left", "drives_together": true},
     {"id": 2, "name": "Starboard", "side": "right", "drives_together": true}]}"#;
+
+/// Of the same file.
+const MEASURES: &str = r#""vehicle": {"wheel_radius_mm": 60, "track_width_mm": 420}, "#;
 
 fn storage() -> Storage {
     web_sys::window().unwrap().local_storage().unwrap().unwrap()
@@ -92,6 +96,13 @@ fn value(bench: &Bench, role: &str, name: &str) -> String {
         .value()
 }
 
+/// The fields that are shown: `Wheel radius` and `Track width`, or none.
+fn measures(bench: &Bench) -> Vec<String> {
+    let fields = ["Wheel radius", "Track width"].into_iter();
+    let shown = fields.filter(|name| !bench.find_all("spinbutton", name).is_empty());
+    shown.map(|name| value(bench, "spinbutton", name)).collect()
+}
+
 #[wasm_bindgen_test]
 async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     forget();
@@ -118,12 +129,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     bench.open("Drive together").await;
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
-    let has_measures = || {
-        let fields = ["Wheel radius", "Track width"];
-        let shown = |name: &&str| !bench.find_all("spinbutton", name).is_empty();
-        fields.iter().all(shown)
-            && fields.map(|name| value(&bench, "spinbutton", name)) == ["60", "420"]
-    };
+    let has_measures = || measures(&bench) == ["60", "420"];
     bench.until("the measures of the file", has_measures).await;
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
@@ -141,6 +147,30 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let fleet = fleet.unwrap();
     assert!(fleet.contains("2\tyes\tright\tStarboard"), "{fleet}");
     assert_eq!(ramp.as_deref(), Some("300"));
+    forget();
+}
+
+#[wasm_bindgen_test]
+async fn deleted_measures_do_not_come_back() {
+    forget();
+    let _recorder = FakeRecorder::new("setup-erased");
+    let bench = page("setup-erased").await;
+    import(&bench, ROVER).await;
+    bench.click("Delete all data");
+    bench
+        .until("the question", || {
+            !bench.find_all("button", "Delete").is_empty()
+        })
+        .await;
+    bench.click("Delete");
+    let without = ROVER.replace(MEASURES, "");
+    assert_ne!(without, ROVER);
+    import(&bench, &without).await;
+    bench.open("Drive together").await;
+    bench
+        .until("the measures", || !measures(&bench).is_empty())
+        .await;
+    assert_eq!(measures(&bench), ["51", "300"]);
     forget();
 }
 
