@@ -51,8 +51,9 @@ const PARTS: [Part; 19] = [
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
     // Experiments takes 1,800, bookmarks and the kept run of the graph 300, the alert of a wheel that turns unasked 200.
     // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 400 the dock.
-    // 500 are the rest of the first screen, and a tour that covers no wheel.
-    ("later style", BEHIND, &["later-style-"], 17_850),
+    // 500 are the rest of the first screen, and a tour that covers no wheel. 150 keep names, buttons and figures apart in a
+    // low window.
+    ("later style", BEHIND, &["later-style-"], 18_000),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
@@ -156,7 +157,7 @@ const DRIVING_GZIP_BYTES_MAX: usize = 376_600;
 /// zoom and marks of the graph take 15,300, the first screen 4,000, the dock 4,400, a group that starts in any loop 1,500,
 /// the motor in each title 300. 1,300 are names and texts that macros derive: 500 lines less to read.
 /// 1,700 are the cards of a group.
-const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_522_200;
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_522_500;
 
 /// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]

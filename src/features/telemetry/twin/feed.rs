@@ -162,14 +162,10 @@ impl TwinFeed {
             .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
             .map(|(_, speed)| speed);
         let angle_deg = pose.heading.angle_deg;
-        let figures = self.speed.map(|(_, speed)| {
-            // At rest as in the position card. The drawn wheel may differ by one step of a query reply.
-            let moves = speed.rpm() != 0;
-            let figure_deg = self
-                .angle_deg
-                .map(|reported| if moves { angle_deg } else { reported });
-            Figures::new(speed, figure_deg, self.turns)
-        });
+        // As in the position card: the drawn wheel moves on between two replies.
+        let figures = self
+            .speed
+            .map(|(_, speed)| Figures::new(speed, self.angle_deg, self.turns));
         self.drawn = self.angle_deg.map(|_| Drawn { angle_deg });
         let driven = match self.activity {
             Some(Activity::Driven { .. } | Activity::DrivenRaw | Activity::Stopping { .. }) => true,

@@ -2,7 +2,7 @@
 //! scrolled in two directions. The log, the graph and tables may scroll by themselves. No bar covers what has the focus.
 
 use anyhow::Result;
-use end_to_end::{Bench, Line, Page, View};
+use end_to_end::{Bench, Line, Page, View, WAIT_MAX, wait_until};
 use serde_json::json;
 
 use crate::fixture::{
@@ -129,6 +129,17 @@ const OVER_FOCUS: &str = "new Promise(requestAnimationFrame).then(() => {
     return `${name} at ${Math.round(x)}, ${Math.round(y)} under ${over[0] ? over[0].outerHTML.slice(0, 80) : 'the edge'}`;
 })";
 
+fn wait_until_there(page: &Page, button: &str) -> Result<()> {
+    wait_until(button, WAIT_MAX, || {
+        let found = page.find_all("button", button)?;
+        Ok(if found.is_empty() {
+            Err("it is loading".to_owned())
+        } else {
+            Ok(())
+        })
+    })
+}
+
 /// Focus not obscured (WCAG 2.4.11).
 #[test]
 fn what_has_the_focus_is_under_no_bar() -> Result<()> {
@@ -138,8 +149,16 @@ fn what_has_the_focus_is_under_no_bar() -> Result<()> {
     let mut covered = Vec::new();
     for view in LOW_OR_NARROW {
         look(&page, view)?;
-        for place in 1..=5 {
+        // Each place, and one of its controls: before it is loaded, it moves the others.
+        for (place, control) in [
+            (1, "Start"),
+            (2, "Save session"),
+            (3, "Arm"),
+            (4, "Set ID"),
+            (5, "Send"),
+        ] {
             page.press(&format!("Alt+{place}"))?;
+            wait_until_there(&page, control)?;
             let mut seen = 0;
             for _ in 0..40 {
                 page.press("Tab")?;
