@@ -41,7 +41,7 @@ pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
         Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it back in.")),
         Connection::Connected(Adapter::Serial(_)) => (session.is_anything_driven()
             || session.job.is_some())
-        .then(|| tr!("Another model opens the port again. Stop all motors first.")),
+        .then(|| tr!("Changing the model reopens the port. Stop all motors first.")),
     }
 }
 

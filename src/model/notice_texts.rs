@@ -31,7 +31,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         Notice::TooLate(_) => NoticeText::new(
             Topic::Command,
             Tone::Warning,
-            tr!("Not done: too late"),
+            tr!("Not done: timed out"),
             &[tr!("The page was busy. Press again.")],
         )
         .explained_at(HelpTopic::Troubleshooting),

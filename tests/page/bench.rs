@@ -263,7 +263,7 @@ impl Bench {
             "Recording" | "Session file" => "Record",
             "Experiments" => "Test",
             "ID Manager" | "Settings" => "Setup",
-            "Link" | "Raw Hex" => "Diagnose",
+            "Link health" | "Raw Hex" => "Diagnose",
             _ => panic!("no place has the panel {panel:?}"),
         };
         self.click(place);

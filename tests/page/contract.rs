@@ -82,8 +82,8 @@ const CURRENT: &[(&str, &str)] = &[
 ];
 
 const POSITION: &[(&str, &str)] = &[
-    ("slider", "Target position"),
-    ("spinbutton", "Target position"),
+    ("slider", "Target angle"),
+    ("spinbutton", "Raw position"),
     ("spinbutton", "Target angle"),
     ("button", "0°"),
     ("button", "90°"),
@@ -112,7 +112,12 @@ const SETTINGS: &[(&str, &str)] = &[
     ("button", "Delete all data"),
 ];
 
-const LINK: &[(&str, &str)] = &[("list", "Link diagnosis"), ("combobox", "Simulated fault")];
+const LINK: &[(&str, &str)] = &[
+    ("region", "Link health"),
+    ("list", "Link diagnosis"),
+    ("status", "Based on"),
+    ("combobox", "Simulated fault"),
+];
 
 const RECORDING: &[(&str, &str)] = &[
     ("button", "Record telemetry"),
@@ -163,7 +168,7 @@ async fn every_control_is_found_by_its_name() {
         ("Session file", SESSION),
         ("ID Manager", ID_MANAGER),
         ("Settings", SETTINGS),
-        ("Link", LINK),
+        ("Link health", LINK),
         ("Raw Hex", RAW_HEX),
     ] {
         bench.open(panel).await;

@@ -164,6 +164,22 @@ async fn arming_shows_what_will_move_and_only_run_starts_it() {
 }
 
 #[wasm_bindgen_test]
+async fn a_run_above_the_speed_limit_is_refused_before_it_is_armed() {
+    let bench = panel("experiments-too-fast", Mode::Velocity).await;
+    bench.until("Arm", || !is_disabled(&bench, "Arm")).await;
+    bench.open("Settings").await;
+    leave(&bench.enter("Speed limit", "60"));
+    bench.open("Experiments").await;
+    bench
+        .until("the reason", || is_disabled(&bench, "Arm"))
+        .await;
+    let title = in_panel(&bench, "Arm")[0].title();
+    assert!(title.contains("speed limit of 60 rpm"), "{title}");
+    bench.open("Settings").await;
+    leave(&bench.enter("Speed limit", "330"));
+}
+
+#[wasm_bindgen_test]
 async fn a_changed_question_disarms_and_a_refusal_is_said() {
     let bench = panel("experiments-disarm", Mode::Velocity).await;
     let (number, _) = arm(&bench).await;
@@ -234,7 +250,7 @@ async fn a_wrong_step_is_named_in_its_cell_and_cannot_be_armed() {
     change(&cell("2:value"), "400");
     let is_said = || {
         bench
-            .text("status", "Check of the steps")
+            .text("status", "Sequence check")
             .contains("Row 3: 400 is above 330")
     };
     bench.until("the error", is_said).await;
@@ -244,7 +260,7 @@ async fn a_wrong_step_is_named_in_its_cell_and_cannot_be_armed() {
     change(&cell("2:value"), "fast");
     let is_said = || {
         bench
-            .text("status", "Check of the steps")
+            .text("status", "Sequence check")
             .contains("expected a number")
     };
     bench.until("the other error", is_said).await;

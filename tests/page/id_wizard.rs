@@ -154,7 +154,7 @@ async fn closing_the_panel_ends_a_spin_and_keeps_the_question() {
         })
         .await;
     bench.click("Starboard");
-    until_said(&bench, "The motors of Port and Starboard are exchanged").await;
+    until_said(&bench, "The motors of Port and Starboard are swapped").await;
     assert!(stored().contains("2\tleft\tyes\tno\tPort"), "{}", stored());
     store(None);
 }

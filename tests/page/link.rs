@@ -19,7 +19,7 @@ use crate::{
 
 async fn open(name: &str) -> Bench {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    bench.open("Link").await;
+    bench.open("Link health").await;
     let there = || !bench.find_all("combobox", "Simulated fault").is_empty();
     bench.until("the panel", there).await;
     bench
@@ -66,20 +66,20 @@ async fn the_line_is_shown_and_the_doctor_says_what_is_wrong() {
     );
     assert_eq!(bench.text("status", "Round trip"), "2.4 ms median – ms p99");
     let bars = bench.find("img", "Round trip histogram");
-    assert_eq!(bars.query_selector_all("text").unwrap().length(), 11);
+    assert_eq!(bars.query_selector_all("text").unwrap().length(), 12);
     assert_eq!(doctor(), "Not enough data for a diagnosis yet.");
     silent(&bench, 30);
     bench
         .until("the table", || {
             bench
                 .text("", "Motors on the bus")
-                .contains("0x01030000Others")
+                .contains("RepliesLostLateCorruptedNot askedEchoesForeign0x0103000000Others")
         })
         .await;
     bench
         .until("the diagnosis", || doctor().starts_with("No bytes"))
         .await;
-    let panel = bench.find("region", "Link");
+    let panel = bench.find("region", "Link health");
     assert!(text_of(&panel).contains("The bus allows only 54 Hz per motor"));
 }
 

@@ -231,7 +231,7 @@ fn what_is_no_session_is_refused_in_words() {
         ("empty", &b""[..], "The file is empty."),
         ("notes.txt", b"a,b\n1,2\n", "no columns of a known export"),
         ("run.zip", b"PK\x03\x04....", "ZIP archive"),
-        ("picture.png", b"\x89PNG\r\n\x1A\n", "This is no session."),
+        ("picture.png", b"\x89PNG\r\n\x1A\n", "Not a session file."),
     ] {
         fs::write(fixture.path(name), bytes).unwrap();
         let output = fixture.run(&["info", name]);

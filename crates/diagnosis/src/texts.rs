@@ -57,7 +57,7 @@ pub fn cause(diagnosis: Diagnosis) -> String {
             tr!("Replies are corrupted while a wheel turns").to_owned()
         }
         Diagnosis::Damaged => tr!("Replies are corrupted").to_owned(),
-        Diagnosis::Lost => tr!("Replies are lost, hardly any is corrupted").to_owned(),
+        Diagnosis::Lost => tr!("Replies are lost, few are corrupted").to_owned(),
         Diagnosis::Stranger => tr!("Frames from a motor that was not queried").to_owned(),
         Diagnosis::Silent(id) => tr!("No reply from motor {id}, but others reply", id),
         Diagnosis::LatencyTimer => tr!("The adapter delays replies by 16 ms").to_owned(),

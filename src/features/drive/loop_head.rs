@@ -27,7 +27,7 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
             return stage;
         }
         let words = reported.get().map_or_else(
-            || tr!("Loop unknown.").to_owned(),
+            || tr!("Control mode unknown.").to_owned(),
             |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
         );
         if page.model.get().spec().needs_enable {

@@ -68,7 +68,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
                 />
                 <NumberField
                     id="target-position"
-                    name=tr!("Target position")
+                    name=tr!("Raw position")
                     unit=tr!("raw")
                     hint=tr!("32\u{202F}767 = 360°")
                     target=position
@@ -78,10 +78,10 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
             </div>
         </div>
         <Slider
-            name=tr!("Target position")
-            unit=tr!("raw")
+            name=tr!("Target angle")
+            unit="°"
             target=position
-            entry=entry::POSITION
+            entry=entry::ANGLE
             marks=marks(["0°", "180°", "360°"])
             on_edit=move || drive.adjust(MODE)
         />

@@ -32,9 +32,9 @@ fn hint() -> String {
 /// What a unit of the acceleration is.
 fn acceleration_hint(model: Model) -> &'static str {
     match model {
-        Model::Ddsm115 | Model::Ddsm315 => tr!("Higher is gentler: about 3.6 ms per rpm per unit"),
-        Model::Ddsm210 => tr!("Higher is gentler: 1 or 0.1 ms per rpm per unit (uncertain)"),
-        Model::Ddsm400 => tr!("Higher is gentler: about 1 ms per rpm per unit"),
+        Model::Ddsm115 | Model::Ddsm315 => tr!("Higher = slower ramp (1 is about 3.6 ms per rpm)"),
+        Model::Ddsm210 => tr!("Higher = slower ramp (1 is 1 or 0.1 ms per rpm: uncertain)"),
+        Model::Ddsm400 => tr!("Higher = slower ramp (1 is about 1 ms per rpm)"),
     }
 }
 

@@ -9,12 +9,12 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker,
-    bus::{CarriedRate, Command, CommandRate},
+    bus::{CarriedRate, Command, CommandRate, Refusal},
     encode,
     experiments::{
-        plan::Plan,
+        plan::{Plan, PlanMotor},
         runner::{Options, Phase},
-        sequence::RunLimits,
+        sequence::{Quantity, RunLimits},
         study::{Study, StudyKind},
     },
     protocol::{Mode, MotorId},
@@ -26,7 +26,7 @@ use crate::{
         state::{Armed, Experiments, Shown},
         table, texts,
     },
-    model::{guards::in_loop_blocked_by, snapshot::Session},
+    model::{guards::in_loop_blocked_by, snapshot::Session, terms},
     ui::{
         clock::{act_ms, page_now_ms},
         listener::on_window,
@@ -136,7 +136,10 @@ impl Experiments {
     /// Why the run cannot be armed, and the switch of a loop that would help.
     pub(super) fn blocked_by(self) -> Option<(String, Option<(MotorId, Mode)>)> {
         if self.shown.get().is_driving() {
-            return Some((tr!("A run is running. Abort it first.").to_owned(), None));
+            return Some((
+                tr!("A run is in progress. Abort it first.").to_owned(),
+                None,
+            ));
         }
         let wrong = self.wrong_fields.with(|wrong| wrong.first().copied());
         if let Some(field) = wrong {
@@ -168,7 +171,21 @@ impl Experiments {
             );
             Some((reason, None))
         };
-        of_motor.or_else(too_slow)
+        // The bus would refuse the setpoint in the middle of the run.
+        let too_fast = || {
+            let limit = self
+                .page
+                .preferences
+                .with(|chosen| chosen.limits)
+                .speed_rpm();
+            let is_beyond = |motor: &PlanMotor| {
+                let most = motor.least.abs().max(motor.greatest.abs());
+                motor.quantity == Quantity::Rpm && most > limit.into()
+            };
+            let reason = || terms::refusal(Refusal::AboveSpeedLimit(limit));
+            motors.iter().any(is_beyond).then(|| (reason(), None))
+        };
+        too_fast().or(of_motor).or_else(too_slow)
     }
 
     /// The row of the table with this place; none in another tab.

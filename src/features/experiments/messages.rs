@@ -186,7 +186,7 @@ impl Experiments {
         self.shown.set(Shown::Idle);
         self.armed.set(None);
         self.said.set(
-            tr!("The program that runs experiments has failed. No run goes on. Reload the page, then press Arm again.")
+            tr!("The program that runs experiments has failed. All runs have ended. Reload the page, then press Arm again.")
                 .to_owned(),
         );
     }

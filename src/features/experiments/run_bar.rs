@@ -191,9 +191,9 @@ fn summary(page: Page, armed: &Armed) -> impl IntoView + use<> {
     };
     let rate = rate(armed);
     let limits = tr!("Limits: {limits}.", limits = texts::limits(armed.limits));
-    let mut ends = tr!("STOP, Space, Escape, a fault, silence and a limit end it.").to_owned();
+    let mut ends = tr!("STOP, Space, Esc, a fault, lost replies or a limit ends it.").to_owned();
     if armed.options.stop_on_lost_focus {
-        ends = format!("{ends} {}", tr!("So does a lost focus."));
+        ends = format!("{ends} {}", tr!("Leaving this page ends it too."));
     }
     let silence = (armed.options.silent_steps != SilentSteps::NONE).then(|| {
         let words = tr!(

@@ -55,8 +55,7 @@ fn template_choice(of: Experiments) -> impl IntoView {
     let choose = move |event: Event| {
         let place = event_target_value(&event).parse::<usize>().ok();
         if let Some(template) = place.and_then(|place| Template::ALL.get(place)) {
-            let mut sequence = template.sequence();
-            texts::template(*template).clone_into(&mut sequence.name);
+            let sequence = texts::of_template(*template);
             of.load(&sequence);
         }
     };

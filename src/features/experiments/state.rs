@@ -22,6 +22,7 @@ use crate::{
         chart::Live,
         kept::KeptRuns,
         table::{self, Row},
+        texts,
     },
     model::{
         local_storage::{remember, remembered},
@@ -85,7 +86,7 @@ impl Draft {
     /// The table of the last visit, or a template.
     fn first() -> Self {
         let last = remembered(REMEMBERED).and_then(|text| Sequence::from_json(&text).ok());
-        Self::of(&last.unwrap_or_else(|| Template::BackAndForth.sequence()))
+        Self::of(&last.unwrap_or_else(|| texts::of_template(Template::BackAndForth)))
     }
 
     /// Keeps the table for the next visit, if it is valid and not huge.

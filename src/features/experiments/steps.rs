@@ -167,7 +167,7 @@ pub(super) fn StepsTable(of: Experiments) -> impl IntoView {
                 ></div>
             </div>
         </div>
-        <p class="steps-words" class:wrong=dynamic(move || wrong.get().is_some()) role="status" aria-label=tr!("Check of the steps")>
+        <p class="steps-words" class:wrong=dynamic(move || wrong.get().is_some()) role="status" aria-label=tr!("Sequence check")>
             {dynamic(words)}
         </p>
     }

@@ -5,7 +5,7 @@ use motorlink_messages::{
     bus::CarriedRate,
     experiments::{
         runner::{Cause, End, ExceededLimit, StartRefusal},
-        sequence::{Problem, Quantity, RunLimits, SequenceError, Template},
+        sequence::{Problem, Quantity, RunLimits, Sequence, SequenceError, Template},
         study::StudyKind,
     },
     protocol::MotorId,
@@ -67,6 +67,13 @@ pub(super) fn template(template: Template) -> &'static str {
         Template::PositionTour => tr!("Position tour"),
         Template::Endurance => tr!("Endurance"),
     }
+}
+
+/// The sequence of a template, named in the language of the page.
+pub(super) fn of_template(template: Template) -> Sequence {
+    let mut sequence = template.sequence();
+    self::template(template).clone_into(&mut sequence.name);
+    sequence
 }
 
 pub(super) fn study(kind: StudyKind) -> &'static str {
@@ -230,7 +237,7 @@ pub(super) fn not_armed(why: &NotArmed) -> String {
             tr!("Not connected. Press Connect motor or Virtual motor.").to_owned()
         }
         NotArmed::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
-        NotArmed::Running => tr!("A run is running. Abort it first.").to_owned(),
+        NotArmed::Running => tr!("A run is in progress. Abort it first.").to_owned(),
         NotArmed::Busy => {
             tr!("A motor is in use, or a scan is running. Stop it, then press Arm again.")
                 .to_owned()

@@ -118,7 +118,10 @@ fn histogram(round_trip: &RoundTripStatus) -> String {
             );
         }
     }
-    push(&mut bars, &[&ends, "</svg>"]);
+    push(
+        &mut bars,
+        &[&ends, "<text x=\"350\" y=\"74\">ms</text></svg>"],
+    );
     bars
 }
 
@@ -127,8 +130,13 @@ fn motors(session: &Session) -> String {
     let mut html = "<thead><tr><td></td>".to_owned();
     for (title, name) in [
         (tr!("Requests with a valid reply in time"), tr!("Replies")),
-        (tr!("Requests without a reply in time"), tr!("Timeouts")),
-        (tr!("Corrupted or truncated replies"), tr!("Bad CRC")),
+        (tr!("Requests whose reply never came"), tr!("Lost")),
+        (tr!("Replies that came too late to be used"), tr!("Late")),
+        (tr!("Corrupted or truncated replies"), tr!("Corrupted")),
+        (
+            tr!("Drive frames and queries that the computer was too late to send"),
+            tr!("Not asked"),
+        ),
         (tr!("Requests echoed back"), tr!("Echoes")),
         (
             tr!("Valid frames from a motor that was not queried"),
@@ -155,8 +163,10 @@ fn push_row(html: &mut String, name: &str, counters: &Counters) {
     push(html, &["<tr><th scope=\"row\">", name, "</th>"]);
     for count in [
         counters.replies,
-        counters.silences,
+        counters.silences.saturating_sub(counters.late),
+        counters.late,
         garbled(counters),
+        counters.not_asked,
         echoed(counters),
         counters.wrong_ids,
     ] {
@@ -178,6 +188,8 @@ mod tests {
             requests: 1_240,
             replies: 1_234,
             silences: 3,
+            late: 1,
+            not_asked: 6,
             bad_crcs: 1,
             fragments: 1,
             echoes_whole: 4,
@@ -220,8 +232,8 @@ mod tests {
             "<span><b>2.4</b> ms median</span> <span><b>3.1</b> ms p99</span> "
         );
         assert!(motors.contains(
-            "<tr><th scope=\"row\">0x01</th><td>1\u{202F}234</td><td>3</td><td>2</td><td>5</td>\
-             <td>0</td></tr>"
+            "<tr><th scope=\"row\">0x01</th><td>1\u{202F}234</td><td>2</td><td>1</td><td>2</td>\
+             <td>6</td><td>5</td><td>0</td></tr>"
         ));
         assert!(motors.contains("Others"));
         assert!(motors.contains("<td>9</td></tr></tbody>"));

@@ -29,7 +29,7 @@ fn head() -> String {
             r#"<ul class="link-doctor" aria-label=""#,
             tr!("Link diagnosis"),
             r#"" aria-live="polite"></ul><output class="quiet link-judged" aria-live="off" aria-label=""#,
-            tr!("Judged by"),
+            tr!("Based on"),
             r#""></output><output class="link-carries" aria-label=""#,
             tr!("Bus capacity"),
             r#""></output><div class="link-figures">"#,

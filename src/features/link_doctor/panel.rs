@@ -49,7 +49,7 @@ pub(crate) fn LinkPanel(
     };
     panel(
         "panel place first",
-        tr!("Link"),
+        tr!("Link health"),
         move || page.place() == Place::Diagnose,
         None,
         view! {

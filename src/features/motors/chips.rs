@@ -68,7 +68,7 @@ pub(crate) fn chips_html(found: &[MotorId], names: &NamesAndSides, selected: Mot
         }
         let _ = write!(
             html,
-            "<div class=\"motor-chip\"{title}>\
+            "<div class=\"motor-chip\" role=\"listitem\"{title}>\
              <button type=\"button\" class=\"motor-chip-button\" value=\"{}\" aria-pressed=\"{}\" \
              aria-label=\"{label}\"><b>{id}</b> <span class=\"motor-name\">{name}</span></button>\
              <span class=\"motor-side\">{side}</span>{}",
@@ -86,7 +86,10 @@ pub(crate) fn chips_html(found: &[MotorId], names: &NamesAndSides, selected: Mot
     }
     if html.is_empty() {
         let words = tr!("No motors found yet.");
-        let _ = write!(html, "<span class=\"quiet\">{words}</span>");
+        let _ = write!(
+            html,
+            "<span class=\"quiet\" role=\"listitem\">{words}</span>"
+        );
     }
     html
 }

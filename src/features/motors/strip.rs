@@ -53,7 +53,6 @@ pub(crate) fn MotorStrip() -> impl IntoView {
     view! {
         <section
             class="motor-strip"
-            aria-label=tr!("Motors")
             on:click=handler(move |event| page.click_in_list(&event))
             on:change=handler(move |event| page.group.set(event_target_value(&event) == "true"))
             inner_html=content()
@@ -70,8 +69,9 @@ fn content() -> String {
     };
     let radios = [(false, tr!("Motor")), (true, tr!("Group"))].map(radio);
     let name = tr!("Drive" as "place");
+    let motors = tr!("Motors");
     format!(
-        r#"<div id="{CHOICE}" role="radiogroup" aria-label="{name}" hidden>{}</div><div class="motor-chips" id="{CHIPS}"></div>"#,
+        r#"<div id="{CHOICE}" role="radiogroup" aria-label="{name}" hidden>{}</div><div class="motor-chips" id="{CHIPS}" role="list" aria-label="{motors}"></div>"#,
         radios.concat()
     )
 }

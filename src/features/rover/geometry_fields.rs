@@ -26,7 +26,7 @@ pub(crate) fn GeometryFields(rover: Rover) -> impl IntoView {
                 id="wheel-radius"
                 name=tr!("Wheel radius")
                 unit="mm"
-                hint=tr!("For speed and path of the rover.")
+                hint=tr!("Used to calculate speed and path.")
                 target=rover.radius
                 entry=RADIUS
                 on_edit=move || rover.measure()
@@ -35,7 +35,7 @@ pub(crate) fn GeometryFields(rover: Rover) -> impl IntoView {
                 id="track-width"
                 name=tr!("Track width")
                 unit="mm"
-                hint=tr!("Between the middles of the tyres.")
+                hint=tr!("Tyre centre to tyre centre.")
                 target=rover.track
                 entry=TRACK
                 on_edit=move || rover.measure()

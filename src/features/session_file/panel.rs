@@ -74,7 +74,7 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
         <div class="session-panel">
             <p>
                 {tr!(
-                    "A session file has the packet log, the recording, the runs of experiments and the present settings. Foxglove and PlotJuggler open it too."
+                    "A session file contains the packet log, the recording, the runs of experiments and the present settings. Foxglove and PlotJuggler open it too."
                 )}
             </p>
             <div class="button-row">

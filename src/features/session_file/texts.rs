@@ -127,7 +127,7 @@ pub(super) fn of_not_opened(why: Option<NotASession>) -> &'static str {
             "This text file has no columns of a known export. Choose a session (.mcap) or a CSV file of MotorLink."
         ),
         Some(NotASession::Other) => {
-            tr!("This is no session. Choose a session (.mcap) or a CSV file of MotorLink.")
+            tr!("Not a session file. Choose a session (.mcap) or a CSV file of MotorLink.")
         }
         None => tr!("The file cannot be read. Check that it is still there, then open it again."),
     }

@@ -46,7 +46,7 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
                 {dynamic(move || lines.get())}
             </output>
             <PressButton
-                label=tr!("Seen")
+                label=tr!("Acknowledge")
                 name=tr!("Mark faults as seen")
                 class="button small"
                 disabled_reason=Signal::derive(disabled_reason)

@@ -105,7 +105,7 @@ fn after(setup: &Setup) -> NoticeText {
         ),
         Outcome::Exchanged(one, other) => calm(
             tr!(
-                "The motors of {one} and {other} are exchanged",
+                "The motors of {one} and {other} are swapped",
                 one = name(setup, *one),
                 other = name(setup, *other)
             ),

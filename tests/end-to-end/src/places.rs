@@ -25,7 +25,7 @@ impl Page {
             "Recording" | "Session file" => tr!("Record" as "place"),
             "Experiments" => tr!("Test" as "place"),
             "ID Manager" | "Settings" => tr!("Setup" as "place"),
-            "Link" | "Raw Hex" => tr!("Diagnose" as "place"),
+            "Link health" | "Raw Hex" => tr!("Diagnose" as "place"),
             _ => bail!("no place has the panel {panel:?}"),
         };
         self.click("button", place)?;

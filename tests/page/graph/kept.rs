@@ -55,14 +55,14 @@ async fn a_kept_run_is_under_the_next_one_from_its_start() {
     let canvas = canvas(&bench);
     let kept = pale(&bench);
     let kept_rows = || rows_of(&canvas, kept, 3);
-    let text = || bench.text("group", "Kept run");
-    assert!(bench.find_all("group", "Kept run").is_empty());
+    let text = || bench.text("group", "Reference");
+    assert!(bench.find_all("group", "Reference").is_empty());
     report_activity(&bench, Activity::Idle, steady(5_000, 0));
     drive(&bench, 200).await;
-    bench.click("Keep run");
+    bench.click("Pin as reference");
     bench
         .until("the row", || {
-            !bench.find_all("group", "Kept run").is_empty()
+            !bench.find_all("group", "Reference").is_empty()
         })
         .await;
     assert!(text().contains("0x01, live, "), "{}", text());
@@ -97,9 +97,9 @@ async fn a_kept_run_is_under_the_next_one_from_its_start() {
         .await;
     assert!(!missing());
 
-    bench.click("Remove the kept run");
+    bench.click("Remove the reference");
     bench
-        .until("no row", || bench.find_all("group", "Kept run").is_empty())
+        .until("no row", || bench.find_all("group", "Reference").is_empty())
         .await;
     bench.until("no line", || kept_rows().is_empty()).await;
 }

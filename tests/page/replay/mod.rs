@@ -351,7 +351,7 @@ async fn a_recording_has_its_own_names_and_sides_and_those_of_the_page_come_back
     let (_sessions, bench) = replaying("replay-names").await;
     let shown = |name: &'static str| {
         let bench = &bench;
-        move || text_of(&bench.find("region", "Motors")).contains(name)
+        move || text_of(&bench.find("list", "Motors")).contains(name)
     };
     bench.until("its name", shown("Front left")).await;
     assert!(!shown("Mine")());

@@ -20,7 +20,7 @@ pub enum NotASession {
     )]
     Text,
     /// It is something else.
-    #[error("This is no session. Choose a session (.mcap) or a CSV file of MotorLink.")]
+    #[error("Not a session file. Choose a session (.mcap) or a CSV file of MotorLink.")]
     Other,
 }
 

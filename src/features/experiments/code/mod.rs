@@ -65,9 +65,7 @@ type Files = Result<Vec<(&'static str, String)>, String>;
 fn files(of: Experiments, code: Code) -> Files {
     // Another model has other frames, and speeds in other units. The Python package knows them.
     if code != Code::Python && of.page.model.get() != Model::Ddsm115 {
-        return Err(
-            tr!("The code is for the DDSM115. Choose that model in the settings.").to_owned(),
-        );
+        return Err(tr!("The code is for the DDSM115. Choose it under Model.").to_owned());
     }
     match code {
         Code::Python => Ok(vec![("motorlink.py", program(of, python)?)]),

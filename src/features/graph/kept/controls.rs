@@ -36,7 +36,7 @@ pub(crate) fn KeepButton(chart: Chart) -> impl IntoView {
     view! {
         <PressButton
             class="button small graph-keep"
-            label=tr!("Keep run")
+            label=tr!("Pin as reference")
             hint=tr!(
                 "Keeps the curves of this motor and draws them under the next run, of a motor or of a recording."
             )
@@ -92,7 +92,7 @@ pub(crate) fn KeptRun(chart: Chart) -> impl IntoView {
         <div
             class="graph-kept"
             role="group"
-            aria-label=tr!("Kept run")
+            aria-label=tr!("Reference")
             hidden=dynamic(move || shown.name.with(String::is_empty))
         >
             <span class="graph-kept-name">{dynamic(move || shown.name.get())}</span>
@@ -117,7 +117,7 @@ pub(crate) fn KeptRun(chart: Chart) -> impl IntoView {
             <PressButton
                 class="button small"
                 label=tr!("Remove")
-                name=tr!("Remove the kept run")
+                name=tr!("Remove the reference")
                 on_press=move || state::remove(chart)
             />
             <span role="status" class="quiet">

@@ -248,7 +248,7 @@ fn the_places(album: &Album) -> Result<()> {
         ("Session file", "record"),
         ("Experiments", "test"),
         ("Settings", "setup"),
-        ("Link", "diagnose"),
+        ("Link health", "diagnose"),
     ] {
         page.open_panel(panel)?;
         pause(500);

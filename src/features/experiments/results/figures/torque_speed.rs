@@ -12,7 +12,7 @@ pub(super) fn add(figures: &mut Figures, found: &TorqueSpeedFindings) {
     figures.estimate(tr!("No-load speed"), no_load, 1.0, rpm());
     let unit = format!("{}/N·m", rpm());
     let droop = line.and_then(|it| it.droop).map(|it| it.rpm_per_nm);
-    figures.estimate(tr!("Speed lost to torque"), droop, 1.0, &unit);
+    figures.estimate(tr!("Speed drop per torque"), droop, 1.0, &unit);
     figures.says(tr!(
         "How much slower the wheel turns under load at the voltage limit: the set speed must be above the one that it reaches. The reported current includes a part without torque, so the figures follow from how its square grows as the speed falls."
     ));

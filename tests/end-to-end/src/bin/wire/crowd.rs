@@ -106,7 +106,7 @@ fn twelve(watched: Duration) -> Result<()> {
     let (adapter, page) = connected(&bench, line(12))?;
     drive(&page, 12, 12)?;
     let wire = watch(&adapter, watched)?;
-    page.open_panel("Link")?;
+    page.open_panel("Link health")?;
     let said = page.text("output", "Bus capacity")?;
     let mut shares = Vec::new();
     for id in 1..=12 {

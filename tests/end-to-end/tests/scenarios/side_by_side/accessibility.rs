@@ -134,7 +134,7 @@ impl Judge {
             ("Session file", "Record"),
             ("Experiments", "Test"),
             ("Settings", "Setup"),
-            ("Link", "Diagnose"),
+            ("Link health", "Diagnose"),
         ] {
             self.page.open_panel(panel)?;
             self.screen(&format!("{place} {when}"))?;
@@ -190,7 +190,7 @@ impl Judge {
 
     /// The doctor has found something, and what is known of the motor is old.
     fn dead_line(&mut self) -> Result<()> {
-        self.page.open_panel("Link")?;
+        self.page.open_panel("Link health")?;
         self.page
             .choose(translated("Simulated fault"), translated("No replies"))?;
         self.page.open_panel("Telemetry")?;
@@ -207,7 +207,7 @@ impl Judge {
             "{known}"
         );
         self.screen("desk, the line dead")?;
-        self.page.open_panel("Link")?;
+        self.page.open_panel("Link health")?;
         self.screen("Link, the line dead")?;
         self.page
             .choose(translated("Simulated fault"), translated("None"))?;

@@ -171,12 +171,12 @@ fn an_adapter_that_does_all_of_it_comes_back_from_a_pull() -> Result<()> {
 fn diagnosed(fault: &[&str], cause: &str, advice: &str) -> Result<String> {
     let scenario = Scenario::connected(Line::default().with(fault))?;
     let page = &scenario.page;
-    page.open_panel("Link")?;
+    page.open_panel("Link health")?;
     // It names no wire while the computer is late, as one that is busy is.
     page.wait_for_text_within(Duration::from_secs(60), "list", "Link diagnosis", |text| {
         text.contains(cause) && text.contains(advice)
     })?;
-    let figures = page.text("status", "Judged by")?;
+    let figures = page.text("status", "Based on")?;
     assert_quiet_console(page);
     Ok(figures)
 }

@@ -73,7 +73,7 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
             if view == View::DESKTOP {
                 assert_eq!(page.evaluate(CUT_COUNTS)?, json!([]), "{}", language.key());
             }
-            for panel in ["Recording", "Link", "Settings", "Control"] {
+            for panel in ["Recording", "Link health", "Settings", "Control"] {
                 page.open_panel(panel)?;
                 let cut = page.evaluate(CUT)?;
                 assert_eq!(cut, json!([]), "{panel} in {view:?}, {}", language.key());
@@ -163,7 +163,7 @@ fn no_text_is_cut_or_over_another() -> Result<()> {
             "Recording",
             "Experiments",
             "ID Manager",
-            "Link",
+            "Link health",
         ] {
             page.open_panel(panel)?;
             check(&page, panel)?;

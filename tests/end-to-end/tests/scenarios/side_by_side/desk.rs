@@ -247,7 +247,7 @@ fn a_group_is_driven_with_its_telemetry_and_the_graph_in_sight() -> Result<()> {
     }
     in_sight(page, view, "application", "Drive pad")?;
     page.release_key("ArrowUp")?;
-    for panel in ["Link", "Settings"] {
+    for panel in ["Link health", "Settings"] {
         page.open_panel(panel)?;
         let panel = in_sight(page, view, "region", panel)?;
         let graph = in_sight(page, view, "img", "Speed and current")?;

@@ -12,7 +12,7 @@ const PLACES: [(&str, &str); 5] = [
     ("2", "Session file"),
     ("3", "Experiments"),
     ("4", "ID Manager"),
-    ("5", "Link"),
+    ("5", "Link health"),
     ("1", "Telemetry"),
 ];
 

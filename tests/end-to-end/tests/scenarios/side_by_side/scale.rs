@@ -45,7 +45,13 @@ fn texts_corners_and_buttons_have_the_sizes_of_the_design() -> Result<()> {
     page.find_like("img", "Speed and current")?;
     for view in [View::DESKTOP, View::PHONE] {
         look(&page, view)?;
-        for panel in ["Control", "Recording", "Experiments", "Settings", "Link"] {
+        for panel in [
+            "Control",
+            "Recording",
+            "Experiments",
+            "Settings",
+            "Link health",
+        ] {
             page.open_panel(panel)?;
             let off = page.evaluate(OFF_THE_SCALE)?;
             assert_eq!(off, json!([]), "{panel} in {view:?}");

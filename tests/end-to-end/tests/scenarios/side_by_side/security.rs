@@ -37,7 +37,7 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
     for tab in ["Current", "Position", "Velocity"] {
         page.click("tab", tab)?;
     }
-    for panel in ["Session file", "Experiments", "Settings", "Link"] {
+    for panel in ["Session file", "Experiments", "Settings", "Link health"] {
         page.open_panel(panel)?;
     }
     spin(page, "+100", 97..=103)?;
@@ -128,9 +128,7 @@ fn a_name_is_text_wherever_it_stands() -> Result<()> {
     )?;
     page.open_panel("Settings")?;
     page.upload("Import setup", &file)?;
-    page.wait_for_text("region", "Motors", |text| {
-        text.contains("<img src=x>\"&lt;")
-    })?;
+    page.wait_for_text("list", "Motors", |text| text.contains("<img src=x>\"&lt;"))?;
     assert_eq!(page.evaluate("document.images.length")?, Value::from(0));
     assert_eq!(broken(page)?, [""; 0]);
     assert_quiet_console(page);

@@ -230,7 +230,7 @@ fn an_act_that_comes_late_starts_nothing() -> Result<()> {
         ))
     };
     press_after(700)?;
-    page.wait_for_text("region", "Notices", |text| text.contains("too late"))?;
+    page.wait_for_text("region", "Notices", |text| text.contains("timed out"))?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     press_after(0)?;
     wait_for_speed(page, 97..=103)
