@@ -281,6 +281,7 @@ mod tests {
         assert!(svg.contains("<text x=\"60\" y=\"74\">2.5</text>"));
         assert!(svg.contains("<text x=\"90\" y=\"74\">3</text>"));
         assert_eq!(svg.matches('M').count(), 12);
-        assert_eq!(svg.matches("<text").count(), 11);
+        assert!(svg.contains("<text x=\"350\" y=\"74\">ms</text>"));
+        assert_eq!(svg.matches("<text").count(), 12);
     }
 }
