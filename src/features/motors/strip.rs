@@ -53,6 +53,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
     view! {
         <section
             class="motor-strip"
+            aria-label=tr!("Motors")
             on:click=handler(move |event| page.click_in_list(&event))
             on:change=handler(move |event| page.group.set(event_target_value(&event) == "true"))
             inner_html=content()
