@@ -94,7 +94,7 @@ fn local_time(page_ms: u64) -> String {
 async fn a_fault_of_a_single_reply_between_two_frames_is_told_until_it_is_seen() {
     let bench = Bench::with_motor("one-fault", Mode::Velocity).await;
     assert_eq!(bench.text("status", "Fault record"), NO_FAULT);
-    let seen: HtmlButtonElement = bench.find("button", "Mark faults as seen").unchecked_into();
+    let seen: HtmlButtonElement = bench.find("button", "Acknowledge").unchecked_into();
     assert!(seen.disabled() && !seen.title().is_empty());
 
     let received = [(40, Faults::NONE), (30, STALL), (20, Faults::NONE)];
@@ -110,7 +110,7 @@ async fn a_fault_of_a_single_reply_between_two_frames_is_told_until_it_is_seen()
     assert_eq!(bench.text("status", "Faults"), "OK 0x00", "it is over");
 
     bench.until("the button", || !seen.disabled()).await;
-    bench.click("Mark faults as seen");
+    bench.click("Acknowledge");
     bench
         .until("it to go", || {
             bench.text("status", "Fault record") == NO_FAULT
@@ -127,8 +127,8 @@ async fn a_fault_that_is_there_stays_until_it_goes_though_it_was_seen() {
     bench
         .until("the fault", || record().contains("stall, since"))
         .await;
-    bench.click("Mark faults as seen");
-    let seen: HtmlButtonElement = bench.find("button", "Mark faults as seen").unchecked_into();
+    bench.click("Acknowledge");
+    let seen: HtmlButtonElement = bench.find("button", "Acknowledge").unchecked_into();
     bench.until("the mark", || seen.disabled()).await;
     assert!(record().contains("stall, since"), "{}", record());
     report(

@@ -47,7 +47,6 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
             </output>
             <PressButton
                 label=tr!("Acknowledge")
-                name=tr!("Mark faults as seen")
                 class="button small"
                 disabled_reason=Signal::derive(disabled_reason)
                 on_press=mark_seen

@@ -194,7 +194,7 @@ fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
         text.to_lowercase().contains("stall")
     })?;
     assert!(faults.contains("0x08"), "{faults}");
-    wait_until_enabled(page, "button", "Mark faults as seen", true)?;
+    wait_until_enabled(page, "button", "Acknowledge", true)?;
     scenario.adapter.act("block 1 off")?;
     let page = &scenario.page;
     page.wait_for_text_within(STALL_MAX, "output", "Faults", |text| text.contains("OK"))?;
@@ -206,9 +206,9 @@ fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
         .filter(|word| word.matches(':').count() == 2);
     assert_eq!(times.count(), 2, "when it came and went: {record}");
     scenario.stays_undriven(Duration::from_secs(1))?;
-    wait_until_enabled(page, "button", "Mark faults as seen", true)?;
-    page.click("button", "Mark faults as seen")?;
-    wait_until_enabled(page, "button", "Mark faults as seen", false)?;
+    wait_until_enabled(page, "button", "Acknowledge", true)?;
+    page.click("button", "Acknowledge")?;
+    wait_until_enabled(page, "button", "Acknowledge", false)?;
     assert_quiet_console(page);
     Ok(())
 }
