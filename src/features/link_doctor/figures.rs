@@ -131,7 +131,7 @@ fn motors(session: &Session) -> String {
     for (title, name) in [
         (tr!("Requests with a valid reply in time"), tr!("Replies")),
         (tr!("Requests whose reply never came"), tr!("Lost")),
-        (tr!("Replies that came too late to be used"), tr!("Late")),
+        (tr!("Replies that came after their time"), tr!("Late")),
         (tr!("Corrupted or truncated replies"), tr!("Corrupted")),
         (
             tr!("Drive frames and queries that the computer was too late to send"),

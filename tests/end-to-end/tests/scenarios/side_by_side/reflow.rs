@@ -2,7 +2,7 @@
 //! scrolled in two directions. The log, the graph and tables may scroll by themselves. No bar covers what has the focus.
 
 use anyhow::Result;
-use end_to_end::{Bench, Line, Page, View, WAIT_MAX, wait_until};
+use end_to_end::{Bench, Line, Page, View};
 use serde_json::json;
 
 use crate::fixture::{
@@ -129,17 +129,6 @@ const OVER_FOCUS: &str = "new Promise(requestAnimationFrame).then(() => {
     return `${name} at ${Math.round(x)}, ${Math.round(y)} under ${over[0] ? over[0].outerHTML.slice(0, 80) : 'the edge'}`;
 })";
 
-fn wait_until_there(page: &Page, button: &str) -> Result<()> {
-    wait_until(button, WAIT_MAX, || {
-        let found = page.find_all("button", button)?;
-        Ok(if found.is_empty() {
-            Err("it is loading".to_owned())
-        } else {
-            Ok(())
-        })
-    })
-}
-
 /// Focus not obscured (WCAG 2.4.11).
 #[test]
 fn what_has_the_focus_is_under_no_bar() -> Result<()> {
@@ -158,7 +147,7 @@ fn what_has_the_focus_is_under_no_bar() -> Result<()> {
             (5, "Send"),
         ] {
             page.press(&format!("Alt+{place}"))?;
-            wait_until_there(&page, control)?;
+            page.find("button", control)?;
             let mut seen = 0;
             for _ in 0..40 {
                 page.press("Tab")?;
