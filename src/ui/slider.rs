@@ -22,6 +22,9 @@ pub(crate) fn Slider(
     /// Where it ends on both sides of zero, if not at the ends of the range.
     #[prop(optional)]
     limit: Option<&'static (dyn Fn() -> i32 + Sync)>,
+    /// By how much an arrow key changes the value.
+    #[prop(default = "1")]
+    step: &'static str,
     /// The labels below it: see [`marks`].
     #[prop(into)]
     marks: Signal<String>,
@@ -43,7 +46,7 @@ pub(crate) fn Slider(
                 aria-label=name
                 min=dynamic(move || range().0.to_string())
                 max=dynamic(move || range().1.to_string())
-                step="1"
+                step=step
                 aria-valuetext=dynamic(move || format!("{} {unit}", (entry.show)(target.get())))
                 prop:value=dynamic(move || {
                     // A browser keeps the value in the range that the element had.

@@ -22,6 +22,9 @@ use crate::{
 
 const MODE: Mode = Mode::Position;
 
+/// Of the raw position, rounded.
+const ONE_DEGREE: &str = "91";
+
 const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")];
 
 #[component]
@@ -82,6 +85,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
             unit="°"
             target=position
             entry=entry::ANGLE
+            step=ONE_DEGREE
             marks=marks(["0°", "180°", "360°"])
             on_edit=move || drive.adjust(MODE)
         />
@@ -99,4 +103,15 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
         words.to_owned()
     });
     loop_panel(drive, MODE, go_blocked_by, hint, body)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arrow_key_moves_the_slider_by_a_degree() {
+        let raw: i32 = PositionTarget::from_degrees(1.0).into();
+        assert_eq!(raw.to_string(), ONE_DEGREE);
+    }
 }
