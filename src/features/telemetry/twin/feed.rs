@@ -162,7 +162,7 @@ impl TwinFeed {
             .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
             .map(|(_, speed)| speed);
         let angle_deg = pose.heading.angle_deg;
-        // As in the position card: the drawn wheel moves on between two replies.
+        // A report, as in the position card: the drawn wheel moves on between two replies.
         let figures = self
             .speed
             .map(|(_, speed)| Figures::new(speed, self.angle_deg, self.turns));
