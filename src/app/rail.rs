@@ -97,7 +97,7 @@ pub(crate) fn Rail() -> impl IntoView {
         if let Some(event) = event.dyn_ref::<KeyboardEvent>()
             && event.alt_key()
             && !(event.ctrl_key() || event.meta_key() || event.shift_key())
-            && !page.is_behind_dialog()
+            && !untrack(|| page.is_behind_dialog())
             // By the place of the key: some layouts type another character with Alt.
             && event.code().strip_prefix("Digit").is_some_and(open)
         {
