@@ -85,10 +85,16 @@ impl Tour {
     }
 
     /// Updates the progress. After a change of the motor, the confirmation and the progress are reset. A finished tour
-    /// stays finished.
+    /// stays finished, and makes room when the user drives on.
     pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
         // A recorded spin is none of the user's.
-        if self.stopped || session.is_recording() {
+        if session.is_recording() {
+            return;
+        }
+        if self.stopped {
+            if session.active_motors().next().is_some() {
+                self.shown = Shown::No;
+            }
             return;
         }
         let connected = matches!(session.connection, Connection::Connected(_));
@@ -106,7 +112,10 @@ impl Tour {
             Some(Activity::Driven { .. }) if speed.value.magnitude() >= SPINS_RPM => {
                 self.spun = true;
             }
-            Some(Activity::Idle) if speed.value.magnitude() == 0 => self.stopped |= self.spun,
+            // While others still turn or stop, a drive is no new one.
+            Some(Activity::Idle) if speed.value.magnitude() == 0 => {
+                self.stopped |= self.spun && session.active_motors().next().is_none();
+            }
             _ => {}
         }
     }
@@ -178,7 +187,9 @@ mod tests {
         assert_eq!(step(&mut tour, &at(20, true)), Step::Stop);
         assert_eq!(step(&mut tour, &at(9, false)), Step::Stop, "it still turns");
         assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
+        assert_eq!(tour.shown, Shown::Offered);
         assert_eq!(step(&mut tour, &at(20, true)), Step::Done);
+        assert_eq!(tour.shown, Shown::No, "the user drives on");
     }
 
     #[test]

@@ -38,11 +38,15 @@ pub(crate) fn remembered_tour() -> Tour {
     Tour::new(if seen { Shown::No } else { Shown::Offered })
 }
 
-/// Whether the tour is shown now. It is not offered during a replay, which needs the place.
+/// Whether the tour is shown now. It is not offered on the first screen, which has its own steps, to a group, of which
+/// it would turn one motor, nor during a replay, which needs the place.
 pub(crate) fn shown(page: Page, tour: RwSignal<Tour>) -> Shown {
     match tour.with(|tour| tour.shown) {
-        // The first screen has its first steps.
-        Shown::Offered if page.has_no_port() || page.shown.with(Session::is_recording) => Shown::No,
+        Shown::Offered
+            if page.has_no_port() || page.group.get() || page.shown.with(Session::is_recording) =>
+        {
+            Shown::No
+        }
         shown => shown,
     }
 }

@@ -155,10 +155,12 @@ fn no_text_is_cut_or_over_another() -> Result<()> {
         check(&page, "first screen")?;
         page.click("button", translated("Rover"))?;
         page.wait_for_text("output", translated("Forward"), |text| text.contains('0'))?;
+        check(&page, "Drive together")?;
+        // A group is offered no tour.
+        page.open_panel("Control")?;
         check(&page, "tour")?;
         page.click("button", translated("Skip the tour"))?;
         for panel in [
-            "Drive together",
             "Control",
             "Recording",
             "Experiments",
@@ -212,9 +214,9 @@ fn in_a_group_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     page.find("button", translated("Skip the tour"))?;
     page.find_like("img", translated("Speed and current"))?;
     look(&page, View::DESKTOP)?;
+    // The tour is shown too.
     assert_eq!(page.evaluate(COVERED)?, json!([]));
     page.open_panel("Drive together")?;
-    // The tour is shown too.
     for view in [View::window(1280, 900), View::DESKTOP] {
         look(&page, view)?;
         assert_eq!(page.evaluate(COVERED)?, json!([]), "{view:?}");
