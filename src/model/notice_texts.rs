@@ -137,8 +137,9 @@ pub(crate) fn of_silence(ids: &[MotorId], garbled: bool) -> NoticeText {
         ids => tr!("No reply from motors {ids} for 2 s", ids = named(ids)),
     };
     if garbled && ids.len() == 1 {
-        let advice =
-            tr!("It replies, but the bytes are corrupted. The panel Link names the likely cause.");
+        let advice = tr!(
+            "It replies, but the bytes are corrupted. Link health in Diagnose names the likely cause."
+        );
         return NoticeText::new(Topic::Silence, Tone::Warning, title, &[advice])
             .explained_at(HelpTopic::DamagedBytes);
     }

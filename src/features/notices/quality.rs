@@ -112,7 +112,7 @@ fn of_poor_line(ids: &[MotorId]) -> NoticeText {
         ),
     };
     let advice = tr!(
-        "Over {percent} % of the requests got no valid reply. The panel Link names the likely cause.",
+        "Over {percent} % of the requests got no valid reply. Link health in Diagnose names the likely cause.",
         percent = POOR_PERCENT
     );
     NoticeText::new(Topic::Quality, Tone::Warning, title, &[&advice])
