@@ -6,7 +6,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use crate::bench::Bench;
 
 /// What is there in the place Drive, whichever tab is open.
-const ALWAYS: [(&str, &str); 43] = [
+const ALWAYS: [(&str, &str); 42] = [
     ("button", "Connect motor"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
@@ -17,7 +17,6 @@ const ALWAYS: [(&str, &str); 43] = [
     ("status", "Link"),
     ("button", "STOP all motors"),
     ("spinbutton", "Command rate"),
-    ("checkbox", "Keep driving while hidden"),
     ("button", "Theme"),
     ("button", "Help"),
     ("tablist", "Control"),
@@ -106,6 +105,8 @@ const ID_MANAGER: &[(&str, &str)] = &[
 const SETTINGS: &[(&str, &str)] = &[
     ("spinbutton", "Speed limit"),
     ("spinbutton", "Ramp"),
+    ("checkbox", "Keep driving while hidden"),
+    ("checkbox", "Detect the model"),
     ("button", "Export setup"),
     ("button", "Import setup"),
     ("button", "Setup link"),

@@ -17,7 +17,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
 
 use crate::{
-    features::drive::rate::Settings,
+    features::drive::rate::CommandRate,
     model::{
         page::use_page,
         tab::{self, TABS},
@@ -38,7 +38,7 @@ pub(crate) fn ControlPanel() -> impl IntoView {
                 {TABS.map(|mode| view! { <TabButton mode /> }).collect_view()}
             </div>
             <div class="tab-panels"></div>
-            <Settings />
+            <CommandRate />
         </section>
     }
 }

@@ -1,6 +1,6 @@
 //! Panel `Settings`: limits, export and import of the setup, and deleting stored data.
 //!
-//! The buttons are HTML with two listeners on the window: a view would be many times as large.
+//! The checkboxes and buttons are HTML with two listeners on the window: a view would be many times as large.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -10,19 +10,17 @@ use web_sys::{Element, Event, HtmlInputElement};
 use crate::{
     features::settings::actions::Settings,
     model::{
-        page::Page,
         place::{Panel, Place},
         tool_entry,
     },
     ui::{
-        entry, format,
-        listener::on_window,
-        number_field::NumberField,
-        panel::panel,
-        reactive::{dynamic, effect, handler},
+        entry, format, listener::on_window, number_field::NumberField, panel::panel,
+        reactive::effect,
     },
 };
 
+const KEEP_DRIVING: &str = "keep-driving";
+const DETECT_MODEL: &str = "detect-model";
 const EXPORT: &str = "export-setup";
 const IMPORT: &str = "import-setup";
 const LINK: &str = "setup-link";
@@ -41,10 +39,17 @@ fn limits_head() -> String {
     format!("<h3>{head}</h3><p>{words}</p>")
 }
 
-/// Buttons `Export setup`, `Import setup`, `Setup link`, `Delete all data` and `Install`, the browser's own chooser of
-/// files that the second one opens, and below them the statuses `Setup` and `Stored in this browser`.
-fn files() -> String {
+/// Checkbox `Detect the model`, buttons `Export setup`, `Import setup`, `Setup link`,
+/// `Delete all data` and `Install`, the browser's own chooser of files that the second one opens, and below them the
+/// statuses `Setup` and `Stored in this browser`.
+fn model_and_files() -> String {
     [
+        heading(tr!("Model")),
+        checkbox(DETECT_MODEL, tr!("Detect the model")),
+        paragraph(tr!(
+            "While a port opens: takes the model that the motors answer as. A DDSM115 and a DDSM315 \
+             answer alike: choose between them under Model."
+        )),
         heading(tr!("Setup")),
         paragraph(tr!(
             "Save names, sides, groups, ramp, rate and limits to a file for use in another browser."
@@ -77,6 +82,10 @@ fn heading(words: &str) -> String {
 
 fn paragraph(words: &str) -> String {
     format!("<p>{words}</p>")
+}
+
+fn checkbox(id: &str, label: &str) -> String {
+    format!(r#"<label class="check"><input type="checkbox" id="{id}">{label}</label>"#)
 }
 
 fn button(id: &str, label: &str) -> String {
@@ -142,6 +151,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
                             <NumberField name unit target entry limit id on_edit=move || page.set_limits() />
                         }
                     })}
+                <h3>{tr!("Drive" as "place")}</h3>
                 <NumberField
                     id="setup-ramp"
                     name=tr!("Ramp")
@@ -151,8 +161,8 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
                     entry=tool_entry::RAMP
                     on_edit=move || page.set_ramp()
                 />
-                <DetectModel page />
-                <div inner_html=files()></div>
+                <div inner_html=checkbox(KEEP_DRIVING, tr!("Keep driving while hidden"))></div>
+                <div inner_html=model_and_files()></div>
             </div>
         },
     )
@@ -163,32 +173,7 @@ fn leaked(limit: impl Fn() -> i32 + Sync + 'static) -> &'static (dyn Fn() -> i32
     Box::leak(Box::new(limit))
 }
 
-/// Checkbox `Detect the model`.
-#[component]
-fn DetectModel(page: Page) -> impl IntoView {
-    view! {
-        <h3>{tr!("Model")}</h3>
-        <label class="check">
-            <input
-                type="checkbox"
-                prop:checked=dynamic(move || page.preferences.with(|chosen| chosen.detect_model))
-                on:change=handler(move |event| {
-                    let checked = event_target_checked(&event);
-                    page.prefer(|preferences| preferences.detect_model = checked);
-                })
-            />
-            {tr!("Detect the model")}
-        </label>
-        <p>
-            {tr!(
-                "While a port opens: takes the model that the motors answer as. A DDSM115 and a DDSM315 \
-                 answer alike: choose between them under Model."
-            )}
-        </p>
-    }
-}
-
-/// Attaches the handlers of the buttons.
+/// Attaches the handlers of the checkboxes and buttons.
 fn attach_handlers(settings: Settings, install: &'static InstallButton) {
     let page = settings.page;
     for name in ["click", "change"] {
@@ -207,6 +192,12 @@ fn attach_handlers(settings: Settings, install: &'static InstallButton) {
     });
     effect(move || show_reason(INSTALL, (install.disabled_reason)(), install.hint));
     effect(move || say(ERASED, settings.erased.get()));
+    effect(move || {
+        page.preferences.with(|chosen| {
+            show_checked(KEEP_DRIVING, chosen.keep_driving);
+            show_checked(DETECT_MODEL, chosen.detect_model);
+        });
+    });
 }
 
 /// Disables a button for this reason, or enables it with this hint.
@@ -226,6 +217,16 @@ fn show_reason(id: &str, reason: Option<&str>, hint: &str) {
     let _ = button.set_attribute("title", title);
 }
 
+fn show_checked(id: &str, checked: bool) {
+    if let Some(input) = input(id) {
+        input.set_checked(checked);
+    }
+}
+
+fn input(id: &str) -> Option<HtmlInputElement> {
+    document().get_element_by_id(id)?.dyn_into().ok()
+}
+
 fn say(id: &str, words: &str) {
     if let Some(said) = document().get_element_by_id(id) {
         said.set_text_content(Some(words));
@@ -233,6 +234,7 @@ fn say(id: &str, words: &str) {
 }
 
 fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
+    let page = settings.page;
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = target.map(|target| target.id()).unwrap_or_default();
     let asked = match (event.type_().as_str(), id.as_str()) {
@@ -240,9 +242,15 @@ fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
         // At once: the browser opens its question only during the press.
-        ("click", LINK) => return settings.page.open_in_setup(Panel::SetupLink),
+        ("click", LINK) => return page.open_in_setup(Panel::SetupLink),
         ("click", INSTALL) => return (install.on_press)(),
         ("change", CHOOSER) => Asked::ToTakeIn,
+        ("change", KEEP_DRIVING) => {
+            return page.prefer(|chosen| chosen.keep_driving = event_target_checked(event));
+        }
+        ("change", DETECT_MODEL) => {
+            return page.prefer(|chosen| chosen.detect_model = event_target_checked(event));
+        }
         _ => return,
     };
     // In the next turn: the action clicks another element, and this listener must not be re-entered.
@@ -262,9 +270,7 @@ async fn answer(settings: Settings, asked: Asked) {
         Asked::ToErase => return settings.ask_to_erase(),
         Asked::ToChoose | Asked::ToTakeIn => {}
     }
-    let chooser = document().get_element_by_id(CHOOSER);
-    let Some(chooser) = chooser.and_then(|chooser| chooser.dyn_into::<HtmlInputElement>().ok())
-    else {
+    let Some(chooser) = input(CHOOSER) else {
         return;
     };
     if matches!(asked, Asked::ToChoose) {

@@ -194,7 +194,7 @@ const COVERED: &str = "(() => {
     const wheel = place.get(document.querySelector('.wheel-panel'));
     if (wheel && wheel.height < 150) covered.push(`a wheel of ${wheel.height}`);
     const controls = document.querySelector('.tab-panel:not(.closed)');
-    const rate = document.querySelector('.settings').getBoundingClientRect();
+    const rate = document.querySelector('.command-rate').getBoundingClientRect();
     if (controls.getBoundingClientRect().bottom > rate.top + 1) covered.push('controls under the command rate');
     if (getComputedStyle(controls).overflowY === 'visible' && controls.scrollHeight > controls.clientHeight + 1) covered.push('cut controls');
     return covered;

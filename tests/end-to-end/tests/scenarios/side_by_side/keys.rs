@@ -126,7 +126,9 @@ fn escape_closes_one_thing_at_a_time_and_stops_what_is_driven() -> Result<()> {
 fn a_second_stop_keeps_the_cause_of_the_first() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
+    page.open_panel("Settings")?;
     page.click("checkbox", "Keep driving while hidden")?;
+    page.open_panel("Control")?;
     spin(page, "+50", 47..=53)?;
     scenario.bench.hide(page)?;
     page.show()?;

@@ -168,6 +168,7 @@ fn a_hidden_page_goes_on_driving_and_says_so_in_its_title() -> Result<()> {
 #[test]
 fn a_hidden_page_stops_where_it_was_told_to() -> Result<()> {
     let scenario = Scenario::spinning()?;
+    scenario.page.open_panel("Settings")?;
     scenario
         .page
         .click("checkbox", "Keep driving while hidden")?;
