@@ -59,15 +59,15 @@ impl Features {
     /// Shows a state of the line, or of the recording that is shown in its place.
     pub(crate) fn update(self, update: &Update) {
         let before = self.page.latest.with_value(|session| session.connection);
-        let lines = self.page.latest.with_value(|session| {
-            let names = self.page.motors.names;
-            names.with_untracked(|names| {
-                untranslated(|| log_lines::of_update(session, update, names))
-            })
-        });
-        for line in lines {
+        if let Some(line) = untranslated(|| log_lines::of_connection(before, update.connection)) {
             self.page.log(update.now, line);
         }
+        let begun = self.page.latest.with_value(|session| {
+            let names = self.page.motors.names;
+            names.with_untracked(|names| {
+                untranslated(|| log_lines::of_beginnings(session, update, names))
+            })
+        });
         self.page
             .latest
             .update_value(|session| session.apply(update));
@@ -96,6 +96,10 @@ impl Features {
         }
         for notice in &update.notices {
             self.notice(update.now, notice);
+        }
+        // A start in another loop begins when the stop has ended.
+        for line in begun {
+            self.page.log(update.now, line);
         }
         if !is_recording {
             self.page.announce(Change::Updated);

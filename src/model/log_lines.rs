@@ -4,7 +4,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice, Update,
-    bus::{Activity, IdQueryOutcome, StopReason, StopReport},
+    bus::{Activity, IdQueryOutcome, MotorStatus, StopReason, StopReport},
     protocol::{MotorId, Setpoint},
 };
 
@@ -56,25 +56,19 @@ pub(crate) fn of_notice(words: &NoticeText) -> Line {
     }
 }
 
-/// The messages of an update without its notices: the port, and motors that start to be driven or switched. Setpoints
-/// have the signs that the operator sees; those of frames have the signs of the wire.
-pub(crate) fn of_update(before: &Session, update: &Update, names: &NamesAndSides) -> Vec<Line> {
-    let mut lines = Vec::new();
-    lines.extend(of_connection(before.connection, update.connection));
-    for motor in &update.motors {
+/// What begins with an update: motors that are driven or switched. Setpoints have the signs that the operator sees;
+/// those of frames have the signs of the wire.
+pub(crate) fn of_beginnings(before: &Session, update: &Update, names: &NamesAndSides) -> Vec<Line> {
+    let begins = |motor: &MotorStatus| {
         let activity_before = before.motor(motor.id).map(|motor| motor.activity);
         let mirror = names.mirror(motor.id);
-        lines.extend(of_activity(
-            motor.id,
-            mirror,
-            activity_before,
-            motor.activity,
-        ));
-    }
-    lines
+        of_activity(motor.id, mirror, activity_before, motor.activity)
+    };
+    update.motors.iter().filter_map(begins).collect()
 }
 
-fn of_connection(before: Connection, after: Connection) -> Option<Line> {
+/// What becomes of the port.
+pub(crate) fn of_connection(before: Connection, after: Connection) -> Option<Line> {
     if after.is_same_line(before) {
         return None;
     }

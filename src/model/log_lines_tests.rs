@@ -31,8 +31,12 @@ fn update(connection: Connection, activity: Activity) -> Update {
 }
 
 fn texts(before: &Session, update: &Update) -> Vec<String> {
-    let lines = of_update(before, update, &NamesAndSides::default()).into_iter();
-    lines.map(|line| line.text).collect()
+    let port = of_connection(before.connection, update.connection);
+    let begun = of_beginnings(before, update, &NamesAndSides::default());
+    port.into_iter()
+        .chain(begun)
+        .map(|line| line.text)
+        .collect()
 }
 
 fn text(notice: &Notice) -> String {
@@ -65,7 +69,7 @@ fn a_setpoint_has_the_sign_that_the_operator_sees() {
     let setpoint = Setpoint::velocity(SpeedTarget::clamped(-100));
     let port = Connection::Connected(Adapter::VIRTUAL);
     let begins = update(port, Activity::Driven { setpoint });
-    let lines = of_update(&before, &begins, &names);
+    let lines = of_beginnings(&before, &begins, &names);
     assert!(
         lines.contains(&calm("Motor 0x01 is running: +100 rpm")),
         "{lines:?}"

@@ -6,7 +6,7 @@ use js_sys::{Array, Promise, Uint8Array};
 use leptos::mount::{UnmountHandle, mount_to};
 use motorlink::App;
 use motorlink_messages::{
-    Adapter, Connection, ToPage, ToWorker, Update,
+    Adapter, Connection, Notice, ToPage, ToWorker, Update,
     bus::{Activity, Command, Counters, LinkQuality, MotorStatus, Sample},
     decode, encode,
     protocol::{
@@ -168,6 +168,16 @@ impl Bench {
     }
 
     pub fn report_on(&self, adapter: Adapter, motor: MotorStatus, halted: bool) {
+        self.report_with(adapter, motor, halted, vec![]);
+    }
+
+    pub fn report_with(
+        &self,
+        adapter: Adapter,
+        motor: MotorStatus,
+        halted: bool,
+        notices: Vec<Notice>,
+    ) {
         self.post(&ToPage::Update(Update {
             now: now(),
             connection: Connection::Connected(adapter),
@@ -177,7 +187,7 @@ impl Bench {
             raw: None,
             line: None,
             samples: vec![],
-            notices: vec![],
+            notices,
         }));
     }
 

@@ -5,9 +5,9 @@ use std::{cell::RefCell, rc::Rc};
 use js_sys::Array;
 use motorlink_i18n::translate;
 use motorlink_messages::{
-    ToPage,
-    bus::{Activity, Command},
-    protocol::Mode,
+    Adapter, Notice, ToPage,
+    bus::{Activity, Command, StopOutcome, StopReason, StopReport},
+    protocol::{Mode, MotorId, Setpoint, SpeedTarget},
     recorder::{Export, Filter, FromRecorder, Kind, RecordingStatus, ToRecorder},
 };
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
@@ -81,17 +81,49 @@ async fn collapsing_is_on_at_first_and_remembered() {
     motorlink::Preferences::default().save();
 }
 
+/// The messages of the page, and which of them are errors.
+fn said(received: Vec<ToRecorder>) -> Vec<(bool, String)> {
+    let said = received.into_iter().filter_map(|message| match message {
+        ToRecorder::AddMessage { error, text, .. } => Some((error, translate(&text))),
+        _ => None,
+    });
+    said.collect()
+}
+
+/// A start in another loop stops the motor first: one update can bring the end of the stop and the drive.
+#[wasm_bindgen_test]
+async fn a_stop_is_logged_before_the_drive_that_waited_for_it() {
+    let recorder = FakeRecorder::new("stop-and-drive");
+    let bench = Bench::with_motor("stop-and-drive", Mode::Velocity).await;
+    recorder.received().await;
+    let setpoint = Setpoint::velocity(SpeedTarget::clamped(50));
+    let stopped = StopReport {
+        reason: StopReason::OneMotor,
+        motors: vec![StopOutcome {
+            id: MotorId::FIRST,
+            confirmed: true,
+            speed: None,
+        }],
+    };
+    bench.report_with(
+        Adapter::VIRTUAL,
+        motor(Mode::Velocity, Activity::Driven { setpoint }),
+        false,
+        vec![Notice::StopEnded(stopped)],
+    );
+    assert_eq!(
+        said(recorder.received().await),
+        [
+            (false, "Stopped, standstill confirmed: 0x01".to_owned()),
+            (false, "Motor 0x01 is running: +50 rpm".to_owned())
+        ]
+    );
+}
+
 #[wasm_bindgen_test]
 async fn what_happens_on_the_page_is_logged() {
     let recorder = FakeRecorder::new("lines");
     let bench = Bench::with_motor("lines", Mode::Velocity).await;
-    let said = |received: Vec<ToRecorder>| -> Vec<(bool, String)> {
-        let said = received.into_iter().filter_map(|message| match message {
-            ToRecorder::AddMessage { error, text, .. } => Some((error, translate(&text))),
-            _ => None,
-        });
-        said.collect()
-    };
     let received = recorder.received().await;
     assert!(
         received
