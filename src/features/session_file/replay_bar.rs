@@ -20,9 +20,6 @@ use crate::{
     },
 };
 
-/// Speeds to choose from, in thousandths of real time.
-const SPEEDS: [u32; 5] = [100, 500, 1_000, 10_000, 100_000];
-
 /// How far an arrow key goes on the timeline, and how far Page Up and Page Down.
 const ARROW_US: i64 = 1_000_000;
 const PAGE_US: i64 = 10_000_000;
@@ -196,7 +193,7 @@ fn sign(
 /// The buttons that play and step, and the speed.
 fn steps(player: Player) -> impl IntoView {
     let plays = move || player.place.with(|place| place.plays);
-    let speeds: String = SPEEDS.map(option).concat();
+    let speeds: String = PlaySpeed::CHOICES.map(option).concat();
     view! {
         <div class="replay-steps">
             {sign("|◂", tr!("Previous event"), move || player.seek_event(false))}
@@ -274,7 +271,7 @@ mod tests {
 
     #[test]
     fn speeds_are_short() {
-        let names = SPEEDS.map(name).join(" ");
+        let names = PlaySpeed::CHOICES.map(name).join(" ");
         assert_eq!(names, "0.1× 0.5× 1× 10× 100×");
     }
 }

@@ -5,10 +5,6 @@ use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
 /// What an arrow jumps.
 const JUMP_US: i64 = 5_000_000;
-/// The speeds, in thousandths of real time.
-const SPEEDS: [u32; 10] = [
-    100, 250, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000,
-];
 
 pub const HELP: &str =
     "Space pause  ←/→ 5 s back, further  ↑/↓ faster, slower  Home start  End end  Q quit";
@@ -52,14 +48,14 @@ pub fn asked(key: KeyEvent) -> Option<Asked> {
 
 /// The next speed above this one.
 pub fn faster(than: PlaySpeed) -> PlaySpeed {
-    let mut speeds = SPEEDS.into_iter();
+    let mut speeds = PlaySpeed::CHOICES.into_iter();
     let next = speeds.find(|speed| *speed > than.per_mille());
     next.map_or(than, PlaySpeed::from_per_mille)
 }
 
 /// The next speed below this one.
 pub fn slower(than: PlaySpeed) -> PlaySpeed {
-    let mut speeds = SPEEDS.into_iter().rev();
+    let mut speeds = PlaySpeed::CHOICES.into_iter().rev();
     let next = speeds.find(|speed| *speed < than.per_mille());
     next.map_or(than, PlaySpeed::from_per_mille)
 }
@@ -71,8 +67,8 @@ mod tests {
     #[test]
     fn speeds_step_between_a_tenth_and_a_hundred() {
         let speed = PlaySpeed::from_per_mille;
-        assert_eq!(faster(speed(1_000)), speed(2_000));
-        assert_eq!(faster(speed(1_500)), speed(2_000));
+        assert_eq!(faster(speed(1_000)), speed(10_000));
+        assert_eq!(faster(speed(1_500)), speed(10_000));
         assert_eq!(slower(speed(1_500)), speed(1_000));
         assert_eq!(slower(speed(100)), speed(100));
         assert_eq!(faster(speed(100_000)), speed(100_000));

@@ -55,6 +55,9 @@ pub enum ToReplay {
 pub struct PlaySpeed(u32);
 
 impl PlaySpeed {
+    /// Those to choose from, in thousandths of real time.
+    pub const CHOICES: [u32; 5] = [100, 500, 1_000, 10_000, 100_000];
+
     /// Real time.
     pub const REAL_TIME: Self = Self(1_000);
 
