@@ -1,6 +1,6 @@
 //! Driving: rates, queries in addition, several motors, and what is refused.
 
-use crate::fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm, two};
 use motorlink_bus::{
     Activity, BusSettings, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal,
 };
@@ -240,4 +240,21 @@ fn a_motor_that_is_driven_is_not_forgotten() {
         fixture.command(Command::Forget(ID)),
         Err(Refusal::Driven(ID))
     );
+}
+
+/// A motor is also asked while another one is selected, so its turns go on.
+#[test]
+fn the_turns_of_a_motor_go_on_while_another_one_is_selected() {
+    let mut fixture = two();
+    let turns = |fixture: &Fixture| fixture.status(ID).turns.unwrap().number();
+    fixture.drive(rpm(60)).unwrap();
+    fixture.run(ms(5_000));
+    let at_change = turns(&fixture);
+    assert!((4.0..5.5).contains(&at_change), "{at_change} turns");
+    fixture.command(Command::Watch(id(2))).unwrap();
+    fixture.run(ms(5_000));
+    fixture.command(Command::Watch(ID)).unwrap();
+    fixture.run(ms(5_000));
+    let all = turns(&fixture) - at_change;
+    assert!((9.5..10.5).contains(&all), "{all} turns");
 }

@@ -19,7 +19,7 @@ use super::{
     random::Dice,
 };
 
-/// `STRETCHES=1000 cargo test -p motorlink-session --test replay states` tries more.
+/// `STRETCHES=1000 cargo test -p motorlink-session --test session states` tries more.
 const STRETCHES: u64 = 40;
 
 /// Moments of each stretch to which the replay jumps.
