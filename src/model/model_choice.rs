@@ -15,6 +15,12 @@ impl Page {
         self.model.get().spec().speed_rpm_max.into()
     }
 
+    /// The highest speed in rpm that may be asked for: that of the model, or the limit of Settings.
+    pub(crate) fn speed_limit(self) -> i32 {
+        let limits = self.preferences.with(|chosen| chosen.limits);
+        self.speed_max().min(limits.speed_rpm().into())
+    }
+
     /// Full scale of the model's current in mA; an upper bound if that is not certain.
     pub(crate) fn current_max_ma(self) -> i32 {
         self.model.get().spec().current.milliamps().into()

@@ -15,12 +15,6 @@ use crate::{
     },
 };
 
-/// The highest speed in rpm: that of the model, or the limit of Settings.
-pub(crate) fn speed_limit(page: Page) -> i32 {
-    let limits = page.preferences.with(|chosen| chosen.limits);
-    page.speed_max().min(limits.speed_rpm().into())
-}
-
 /// The highest current, that of the model or the limit of Settings: as a raw setpoint, and in amps.
 pub(crate) fn current_limit(page: Page) -> (i32, String) {
     let of_settings = page.preferences.with(|chosen| chosen.limits).current_ma();

@@ -7,7 +7,7 @@ use motorlink_messages::protocol::{Mode, Setpoint, family::Model};
 use crate::{
     features::drive::{
         actions::Drive,
-        limit::{LimitLink, Quantity, or_refused, speed_limit, speed_refused},
+        limit::{LimitLink, Quantity, or_refused, speed_refused},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
     model::guards::stop_blocked_by,
@@ -59,7 +59,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let start_blocked_by = or_refused(page, start, move || targets.speed.get());
     let above_limit = Signal::derive(move || speed_refused(page, targets.speed.get()));
     let preset_blocked_by = loop_start_blocked_by(page, MODE, [targets.acceleration]);
-    let limit = Box::leak(Box::new(move || speed_limit(page)));
+    let limit = Box::leak(Box::new(move || page.speed_limit()));
     let speed_max = Box::leak(Box::new(move || page.speed_max()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
@@ -72,7 +72,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         } else {
             (tr!("CW"), tr!("CCW"))
         };
-        let limit = speed_limit(page);
+        let limit = page.speed_limit();
         marks([
             &format!("−{limit} {back}"),
             "0",

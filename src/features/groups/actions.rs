@@ -166,7 +166,8 @@ impl Groups {
             .names
             .with_untracked(NamesAndSides::group_members);
         let allowed = steer_blocked_by(&self.page.present(), &members).is_none();
-        allowed.then(|| self.speed.get_untracked())
+        let limit = untrack(|| self.page.speed_limit());
+        allowed.then(|| self.speed.get_untracked().abs().min(limit))
     }
 
     fn with_pad(self, act: impl FnOnce(&mut DrivePad) -> Option<Order>) {

@@ -26,6 +26,7 @@ use crate::{
 };
 
 const PAD: &str = "drive-pad";
+const KNOB: &str = "pad-knob";
 const WORDS: &str = "pad-words";
 const GAMEPAD: &str = "use-gamepad";
 
@@ -35,7 +36,7 @@ pub(crate) fn markup() -> String {
         r#"<div class="drive-pad" id="drive-pad" role="application" aria-label=""#,
         tr!("Drive pad"),
         r#"" aria-describedby="pad-words" aria-disabled="true" tabindex="0">"#,
-        r#"<span class="pad-knob"></span></div><p class="pad-words" id="pad-words"></p>"#,
+        r#"<span class="pad-knob" id="pad-knob"></span></div><p class="pad-words" id="pad-words"></p>"#,
         r#"<label class="check"><input type="checkbox" id="use-gamepad">"#,
         tr!("Use gamepad"),
         r#"</label><p class="quiet pad-hint">"#,
@@ -131,14 +132,15 @@ fn show(groups: Groups, disabled_reason: Option<String>) {
     let said = sent.or(disabled_reason);
     let said = said.as_deref();
     words.set_text_content(Some(
-        said.unwrap_or(tr!("Hold to run: drag, or use the arrow keys.")),
+        said.unwrap_or(tr!("Hold to run: drag the knob, or use the arrow keys.")),
     ));
 }
 
 fn on_event(groups: Groups, event: &Event) {
     let element = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = element.as_ref().map(Element::id).unwrap_or_default();
-    let on_pad = id == PAD;
+    let on_knob = id == KNOB;
+    let on_pad = on_knob || id == PAD;
     match event.type_().as_str() {
         "contextmenu" if on_pad => event.prevent_default(),
         // The page gets no keys while the browser's menu is open.
@@ -158,8 +160,12 @@ fn on_event(groups: Groups, event: &Event) {
     if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
         on_key(groups, event, on_pad);
     } else if let Some(event) = event.dyn_ref::<PointerEvent>() {
-        let pad = element.filter(|_| on_pad);
-        on_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
+        // A finger that scrolls the page starts anywhere on the pad, but not on the knob.
+        let scrolls = matches!(event.pointer_type().as_str(), "touch" | "pen") && !on_knob;
+        if !(scrolls && event.type_() == "pointerdown") {
+            let pad = document().get_element_by_id(PAD).filter(|_| on_pad);
+            on_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
+        }
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
                     hint=tr!("Right wheels are mirrored. Maximum for the drive pad.")
                     target=groups.speed
                     entry=entry::SPEED
-                    limit=Box::leak(Box::new(move || page.speed_max()))
+                    limit=Box::leak(Box::new(move || page.speed_limit()))
                     on_edit=move || groups.adjust_together()
                 />
                 <div class="button-row two">

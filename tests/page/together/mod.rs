@@ -15,7 +15,7 @@ use web_sys::{
 };
 
 use crate::{
-    bench::{Bench, press, text_of},
+    bench::{Bench, document, press, text_of},
     tools::{id, report, standing, until_enabled},
 };
 
@@ -60,21 +60,37 @@ async fn until_enabled_pad(bench: &Bench) {
         .await;
 }
 
+fn knob() -> HtmlElement {
+    let knob = document().get_element_by_id("pad-knob").unwrap();
+    knob.unchecked_into()
+}
+
 /// A pointer on the pad, in parts of the way from its middle to its edges.
 fn pointer(bench: &Bench, name: &str, turn: f64, forward: f64) {
+    pointer_on(&pad(bench), bench, "mouse", (name, turn, forward));
+}
+
+/// A pointer of this kind on the pad or its knob.
+fn pointer_on(
+    target: &HtmlElement,
+    bench: &Bench,
+    kind: &str,
+    (name, turn, forward): (&str, f64, f64),
+) {
     let pad = pad(bench);
     let place = pad.get_bounding_client_rect();
     let half = f64::from(SIZE) / 2.0;
     let init = PointerEventInit::new();
     init.set_bubbles(true);
     init.set_pointer_id(7);
+    init.set_pointer_type(kind);
     init.set_is_primary(true);
     init.set_button(0);
     init.set_buttons(u16::from(name != "pointerup"));
     init.set_client_x(whole(place.x() + half + turn * half));
     init.set_client_y(whole(place.y() + half - forward * half));
     let event = PointerEvent::new_with_event_init_dict(name, &init).unwrap();
-    pad.dispatch_event(&event).unwrap();
+    target.dispatch_event(&event).unwrap();
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "pixels of a screen")]

@@ -2,13 +2,16 @@
 
 use motorlink_messages::{
     Notice,
-    bus::{Activity, Command, Refusal, StopReason},
+    bus::{Activity, Command, Limits, Refusal, StopReason},
     protocol::{Setpoint, SpeedTarget},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, KeyboardEventInit};
 
-use super::{adjust, both, happen, held, key, key_with, pad, pointer, rover, until_enabled_pad};
+use super::{
+    adjust, both, happen, held, key, key_with, knob, pad, pointer, pointer_on, rover,
+    until_enabled_pad,
+};
 use crate::{
     bench::press,
     tools::{id, report, standing},
@@ -28,6 +31,37 @@ async fn letting_the_pad_go_stops() {
     assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
     pointer(&bench, "pointermove", 0.0, 1.0);
     assert_eq!(bench.commands().await, []);
+}
+
+/// On a phone the pad is as wide as the page: who scrolls over it drives nothing.
+#[wasm_bindgen_test]
+async fn a_finger_drives_only_by_the_knob() {
+    let bench = rover("finger").await;
+    let (pad, knob) = (pad(&bench), knob());
+    pointer_on(&pad, &bench, "touch", ("pointerdown", 0.0, 0.9));
+    pointer_on(&pad, &bench, "touch", ("pointermove", 0.0, 0.5));
+    pointer_on(&pad, &bench, "touch", ("pointerup", 0.0, 0.5));
+    assert_eq!(bench.commands().await, [], "it scrolls");
+    pointer_on(&knob, &bench, "touch", ("pointerdown", 0.0, 0.1));
+    assert_eq!(bench.commands().await, [held(10, -10)]);
+    pointer_on(&pad, &bench, "touch", ("pointermove", 0.0, 1.0));
+    assert_eq!(bench.commands().await, [adjust(100, -100)]);
+    pointer_on(&pad, &bench, "touch", ("pointerup", 0.0, 1.0));
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+}
+
+#[wasm_bindgen_test]
+async fn the_pad_asks_for_no_more_than_the_speed_limit() {
+    let low = motorlink::Preferences {
+        limits: Limits::new(40, 2_000, 75).unwrap(),
+        ..motorlink::Preferences::load()
+    };
+    low.save();
+    let bench = rover("limited").await;
+    motorlink::Preferences::default().save();
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    assert_eq!(bench.commands().await, [held(40, -40)]);
+    pointer(&bench, "pointerup", 0.0, 1.0);
 }
 
 #[wasm_bindgen_test]
