@@ -190,6 +190,10 @@ pub fn diagnose(findings: &Findings) -> Verdict {
                 found.add(diagnosis);
             }
         }
+        // A motor that never stood shows the same: its remedy, to stop the wheels, has been tried.
+        if found.0.contains(&Diagnosis::NoiseGrowsWithSpeed) {
+            found.0.retain(|diagnosis| *diagnosis != Diagnosis::Damaged);
+        }
     }
     let answered: u32 = motors.iter().map(|motor| motor.recent.answered).sum();
     let median = findings.round_trip.median_us;

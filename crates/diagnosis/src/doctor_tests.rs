@@ -143,6 +143,17 @@ fn what_happened_has_its_likely_cause() {
             line(&[moving(tally(0, 0, 0), tally(600, 0, 60))]),
             vec![Diagnosis::Damaged],
         ),
+        (
+            "damage while both turn, of which one never stood",
+            line(&[
+                moving(tally(50, 0, 0), tally(600, 0, 60)),
+                MotorFindings {
+                    id: two(),
+                    ..moving(tally(0, 0, 0), tally(600, 0, 60))
+                },
+            ]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
         ("losses", alone(tally(100, 6, 0)), vec![Diagnosis::Lost]),
         (
             "a stranger beside a good line",
