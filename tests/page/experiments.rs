@@ -320,6 +320,29 @@ async fn the_tabs_follow_the_arrow_keys_and_each_study_can_be_armed() {
     bench.until("the first tab", || selected("Sequence")).await;
 }
 
+/// A repeat holds all steps of the first table: one press removes them all.
+#[wasm_bindgen_test]
+async fn a_removed_block_comes_back() {
+    let bench = panel("removed", Mode::Velocity).await;
+    let count = || bench.find("grid", "Steps").get_attribute("aria-rowcount");
+    let undo = || {
+        bench
+            .find_all("button", "Undo")
+            .into_iter()
+            .find(|undo| undo.closest(".run-buttons").unwrap().is_some())
+            .unwrap()
+    };
+    let before = count();
+    assert!(undo().has_attribute("disabled"));
+    bench.click("Remove");
+    bench.until("the removal", || count() != before).await;
+    bench
+        .until("an undo", || !undo().has_attribute("disabled"))
+        .await;
+    undo().click();
+    bench.until("the steps", || count() == before).await;
+}
+
 #[wasm_bindgen_test]
 async fn ten_thousand_steps_do_not_fill_the_page() {
     let bench = panel("experiments-long", Mode::Velocity).await;

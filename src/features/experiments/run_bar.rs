@@ -10,7 +10,7 @@ use motorlink_messages::experiments::{
 
 use crate::{
     features::experiments::{
-        state::{Armed, Experiments},
+        state::{Armed, Experiments, Shown},
         texts,
     },
     model::{names_and_sides::NamesAndSides, page::Page, terms},
@@ -64,6 +64,29 @@ pub(super) fn RunSettings(of: Experiments) -> impl IntoView {
 pub(super) fn RunBar(of: Experiments) -> impl IntoView {
     let phase = move || of.shown.get().phase();
     let is_driving = move || of.shown.get().is_driving();
+    // The result of another study is not said as one of this.
+    let is_of_another = move || {
+        let kind = of.kind();
+        let has_ended = match of.shown.get() {
+            Shown::Reported(state) => {
+                state.began.is_some() && matches!(state.phase, Phase::Ended(_))
+            }
+            Shown::Idle | Shown::Asked => false,
+        };
+        has_ended
+            && of.armed.with(|armed| {
+                armed
+                    .as_ref()
+                    .is_some_and(|armed| Some(armed.study.kind()) != kind)
+            })
+    };
+    let unless_of_another = move |words: String| {
+        if is_of_another() {
+            String::new()
+        } else {
+            words
+        }
+    };
     let is_armed = move || of.armed_for().is_some_and(|seconds| seconds > 0);
     let arm_blocked_by = move || of.blocked_by().map(|(reason, _)| reason);
     let run_blocked_by = move || {
@@ -115,12 +138,12 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
                 <p>{dynamic(move || countdown(of))}</p>
             </div>
             <p class="run-state" role="status" aria-label=tr!("Run" as "experiment")>
-                {dynamic(move || state_words(of))}
+                {dynamic(move || unless_of_another(state_words(of)))}
             </p>
             <p class="run-hint">{dynamic(hint)}</p>
             {switch}
             <p class="run-said" role="status" aria-label=tr!("Result of the run")>
-                {dynamic(move || of.said.get())}
+                {dynamic(move || unless_of_another(of.said.get()))}
             </p>
             <div class="run-buttons">
                 <PressButton
@@ -160,7 +183,7 @@ fn countdown(of: Experiments) -> String {
 
 /// `Running: 12 s of at most 38 s`
 fn state_words(of: Experiments) -> String {
-    let crate::features::experiments::state::Shown::Reported(state) = of.shown.get() else {
+    let Shown::Reported(state) = of.shown.get() else {
         return String::new();
     };
     let armed = of.armed.get();

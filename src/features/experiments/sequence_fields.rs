@@ -143,7 +143,7 @@ fn file_buttons(of: Experiments) -> impl IntoView {
     };
     let undo_blocked_by = move || {
         let none = of.replaced.with(Option::is_none);
-        none.then(|| tr!("No template or file has replaced the table.").to_owned())
+        none.then(|| tr!("Nothing has been replaced or removed.").to_owned())
     };
     view! {
         <div class="run-buttons">
@@ -167,7 +167,7 @@ fn file_buttons(of: Experiments) -> impl IntoView {
             <PressButton
                 label=tr!("Undo" as "table")
                 class="button small"
-                hint=tr!("Brings the table back that a template or a file has replaced.")
+                hint=tr!("Brings back the table before the last template, file or removal.")
                 disabled_reason=Signal::derive(undo_blocked_by)
                 on_press=move || of.undo()
             />

@@ -159,7 +159,7 @@ pub(crate) struct State {
     pub(super) page: Page,
     pub(super) tab: RwSignal<ExperimentTab>,
     pub(super) draft: RwSignal<Draft>,
-    /// The table before a template or a file replaced it.
+    /// The table before a template or a file replaced it, or a block was removed.
     pub(super) replaced: RwSignal<Option<Draft>>,
     /// Rises when the rows of the table must be drawn again.
     pub(super) redrawn: RwSignal<u32>,

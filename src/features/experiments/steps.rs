@@ -53,7 +53,9 @@ impl Experiments {
         });
     }
 
+    /// Removes the selected block, which can be the whole table. [`Self::undo`] brings it back.
     fn remove(self) {
+        self.replaced.set(Some(self.draft.get_untracked()));
         self.edit(|draft| {
             let first = draft.selected;
             let end = table::block_end(&draft.rows, first);
