@@ -53,7 +53,7 @@ const PARTS: [Part; 19] = [
     // 100 put the legend of the graph beside its plot. 200 lay out a replay in one window, 400 the dock.
     // 500 are the rest of the first screen, and a tour that covers no wheel. 150 keep names, buttons and figures apart in a
     // low window.
-    ("later style", BEHIND, &["later-style-"], 18_000),
+    ("later style", BEHIND, &["later-style-"], 18_100),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     // 4,800 keep a run and draw it under the next one. 8,000 are the alert of a wheel that turns unasked, the worker that
@@ -62,9 +62,9 @@ const PARTS: [Part; 19] = [
     // 3,300 are the virtual motors to try, the wiring and the recording of the first screen, 3,900 the edge, the title and
     // the tabs of the dock.
     // 1,500 are the group Remote of a page that comes from a server. 300 are names and texts that macros derive.
-    ("desk", BEHIND, &["desk"], 146_800),
-    // 1,600 are the cards of a group.
-    ("tools", BEHIND, &["tools"], 64_300),
+    ("desk", BEHIND, &["desk"], 147_000),
+    // 1,600 are the cards of a group. 300 keep a finger that scrolls from driving, and the pad below the limit.
+    ("tools", BEHIND, &["tools"], 64_800),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep
@@ -79,7 +79,7 @@ const PARTS: [Part; 19] = [
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording. 600 are names and texts that
     // macros derive.
-    ("experiments", ASKED, &["experiments"], 278_300),
+    ("experiments", ASKED, &["experiments"], 278_800),
     ("help", BEHIND, &["help.", "help-"], 8_400),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
@@ -138,7 +138,7 @@ const PARTS: [Part; 19] = [
 
 /// Bound of what is fetched before the page can be used. The sign of a mirrored motor in the log takes 200.
 /// The folder in which it is compiled changes its size by 300.
-const FIRST_GZIP_BYTES_MAX: usize = 259_000;
+const FIRST_GZIP_BYTES_MAX: usize = 259_200;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
 /// the firmware of each in the virtual motors, take 15,000; what the bus does when a motor of separate frames restarts,
 /// or another model answers late, takes 2,500; what drives a run beside the bus, and loads its program, takes 4,300; what
@@ -158,7 +158,7 @@ const DRIVING_GZIP_BYTES_MAX: usize = 376_100;
 /// zoom and marks of the graph take 15,300, the first screen 4,000, the dock 4,400, a group that starts in any loop 1,500,
 /// the motor in each title 300. 1,300 are names and texts that macros derive: 500 lines less to read.
 /// 1,700 are the cards of a group.
-const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_523_100;
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_524_200;
 
 /// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]

@@ -52,7 +52,7 @@ fn model_and_files() -> String {
         )),
         heading(tr!("Setup")),
         paragraph(tr!(
-            "Save names, sides, groups, ramp, rate and limits to a file for use in another browser."
+            "Saves motors, vehicle, model, limits and drive settings to a file for another browser. Import replaces those of this one."
         )),
         r#"<div class="button-row two">"#.to_owned(),
         button(EXPORT, tr!("Export setup")),
