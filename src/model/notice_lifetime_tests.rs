@@ -155,7 +155,7 @@ fn a_withdrawn_setpoint_names_all_that_are_stopped_and_says_what_was_when_they_s
     scenario.motor(1).activity = Activity::Idle;
     assert_eq!(scenario.update(&[]), [braking], "three are not at rest");
     scenario.all(Activity::Idle);
-    let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer running because of motor 0x03: it \
+    let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer driven because of motor 0x03: it \
                  reported a fault (stall)";
     assert_eq!(scenario.update(&[]), [ended]);
     assert_eq!(scenario.update(&[]), [ended]);
@@ -174,7 +174,7 @@ fn a_connection_that_ends_leaves_no_motor_being_stopped() {
     scenario.update.motors.clear();
     assert_eq!(
         scenario.update(&[]),
-        ["Motor 0x01 is no longer running: no reply for 200 ms"]
+        ["Motor 0x01 is no longer driven: no reply for 200 ms"]
     );
 }
 

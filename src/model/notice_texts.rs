@@ -257,9 +257,9 @@ pub(crate) fn of_ended_drive(
         | WithdrawReason::Limit(_) => why_withdrawn(reason).0,
     };
     let title = match stopped {
-        [_] => tr!("Motor {id} is no longer running: {why}", id, why),
+        [_] => tr!("Motor {id} is no longer driven: {why}", id, why),
         ids => tr!(
-            "Motors {ids} are no longer running because of motor {id}: {why}",
+            "Motors {ids} are no longer driven because of motor {id}: {why}",
             ids = named(ids),
             id,
             why

@@ -141,12 +141,12 @@ fn a_drive_that_was_ended_says_what_was() {
     let stall = WithdrawReason::Fault(Faults::from_byte(8));
     assert_eq!(
         ended(stall, &[ID]),
-        "Motor 0x01 is no longer running: it reported a fault (stall)"
+        "Motor 0x01 is no longer driven: it reported a fault (stall)"
     );
     let two = MotorId::new(2).unwrap();
     let both = ended(WithdrawReason::Silent, &[ID, two]);
     assert!(
-        both.starts_with("Motors 0x01, 0x02 are no longer running"),
+        both.starts_with("Motors 0x01, 0x02 are no longer driven"),
         "{both}"
     );
     assert!(both.contains("because of motor 0x01: no reply"), "{both}");

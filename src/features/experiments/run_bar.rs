@@ -64,29 +64,6 @@ pub(super) fn RunSettings(of: Experiments) -> impl IntoView {
 pub(super) fn RunBar(of: Experiments) -> impl IntoView {
     let phase = move || of.shown.get().phase();
     let is_driving = move || of.shown.get().is_driving();
-    // The result of another study is not said as one of this.
-    let is_of_another = move || {
-        let kind = of.kind();
-        let has_ended = match of.shown.get() {
-            Shown::Reported(state) => {
-                state.began.is_some() && matches!(state.phase, Phase::Ended(_))
-            }
-            Shown::Idle | Shown::Asked => false,
-        };
-        has_ended
-            && of.armed.with(|armed| {
-                armed
-                    .as_ref()
-                    .is_some_and(|armed| Some(armed.study.kind()) != kind)
-            })
-    };
-    let unless_of_another = move |words: String| {
-        if is_of_another() {
-            String::new()
-        } else {
-            words
-        }
-    };
     let is_armed = move || of.armed_for().is_some_and(|seconds| seconds > 0);
     let arm_blocked_by = move || of.blocked_by().map(|(reason, _)| reason);
     let run_blocked_by = move || {
@@ -138,12 +115,12 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
                 <p>{dynamic(move || countdown(of))}</p>
             </div>
             <p class="run-state" role="status" aria-label=tr!("Run" as "experiment")>
-                {dynamic(move || unless_of_another(state_words(of)))}
+                {dynamic(move || unless_of_another(of, state_words(of)))}
             </p>
             <p class="run-hint">{dynamic(hint)}</p>
             {switch}
             <p class="run-said" role="status" aria-label=tr!("Result of the run")>
-                {dynamic(move || unless_of_another(of.said.get()))}
+                {dynamic(move || unless_of_another(of, of.said.get()))}
             </p>
             <div class="run-buttons">
                 <PressButton
@@ -173,6 +150,23 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
                 />
             </div>
         </div>
+    }
+}
+
+/// The result of another study is not said as one of this.
+fn unless_of_another(of: Experiments, words: String) -> String {
+    let has_ended = match of.shown.get() {
+        Shown::Reported(state) => state.began.is_some() && matches!(state.phase, Phase::Ended(_)),
+        Shown::Idle | Shown::Asked => false,
+    };
+    let is_own = of.armed.with(|armed| {
+        let kind = armed.as_ref().map(|armed| armed.study.kind());
+        kind.is_none_or(|kind| of.kind() == Some(kind))
+    });
+    if has_ended && !is_own {
+        String::new()
+    } else {
+        words
     }
 }
 

@@ -166,7 +166,7 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
     let page = &scenario.page;
     page.wait_for_text_within(STALL_MAX, "region", "Notices", |text| {
         // On a busy machine the motor may be lost first, which is an alert too.
-        ["stall", "no longer running"]
+        ["stall", "no longer driven"]
             .iter()
             .any(|alert| text.to_lowercase().contains(alert))
     })?;
