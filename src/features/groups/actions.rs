@@ -44,7 +44,7 @@ struct Group {
 #[derive(Clone, Copy)]
 pub(crate) struct Groups {
     pub(crate) page: Page,
-    /// The speed of the group in rpm; its magnitude is the limit of the pad.
+    /// The speed of the group in rpm; its magnitude is the limit of the pad, unless the speed limit is lower.
     pub(crate) speed: Target,
     /// Whether gamepads are polled.
     gamepad: StoredValue<bool>,

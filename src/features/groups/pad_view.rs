@@ -160,9 +160,12 @@ fn on_event(groups: Groups, event: &Event) {
     if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
         on_key(groups, event, on_pad);
     } else if let Some(event) = event.dyn_ref::<PointerEvent>() {
-        // A finger that scrolls the page starts anywhere on the pad, but not on the knob.
-        let scrolls = matches!(event.pointer_type().as_str(), "touch" | "pen") && !on_knob;
-        if !(scrolls && event.type_() == "pointerdown") {
+        let is_beside_knob = event.pointer_type() != "mouse" && !on_knob;
+        if is_beside_knob && event.type_() == "pointerdown" {
+            // A finger or pen beside the knob scrolls the page; it must not drive. If it holds the knob, its release was
+            // missed.
+            groups.release_pad(By::Pointer(event.pointer_id()));
+        } else {
             let pad = document().get_element_by_id(PAD).filter(|_| on_pad);
             on_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
         }

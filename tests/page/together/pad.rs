@@ -38,16 +38,30 @@ async fn letting_the_pad_go_stops() {
 async fn a_finger_drives_only_by_the_knob() {
     let bench = rover("finger").await;
     let (pad, knob) = (pad(&bench), knob());
-    pointer_on(&pad, &bench, "touch", ("pointerdown", 0.0, 0.9));
-    pointer_on(&pad, &bench, "touch", ("pointermove", 0.0, 0.5));
-    pointer_on(&pad, &bench, "touch", ("pointerup", 0.0, 0.5));
-    assert_eq!(bench.commands().await, [], "it scrolls");
+    for (kind, end) in [("touch", "pointerup"), ("pen", "pointercancel")] {
+        pointer_on(&pad, &bench, kind, ("pointerdown", 0.0, 0.9));
+        pointer_on(&pad, &bench, kind, ("pointermove", 0.0, 0.5));
+        pointer_on(&pad, &bench, kind, ("pointerup", 0.0, 0.5));
+        assert_eq!(bench.commands().await, [], "{kind}: it scrolls");
+        pointer_on(&knob, &bench, kind, ("pointerdown", 0.0, 0.1));
+        assert_eq!(bench.commands().await, [held(10, -10)], "{kind}");
+        pointer_on(&pad, &bench, kind, ("pointermove", 0.0, 1.0));
+        assert_eq!(bench.commands().await, [adjust(100, -100)], "{kind}");
+        pointer_on(&pad, &bench, kind, (end, 0.0, 1.0));
+        assert_eq!(bench.commands().await, [Command::Stop(id(1))], "{kind}");
+    }
+}
+
+#[wasm_bindgen_test]
+async fn a_finger_whose_release_was_missed_stops_when_it_comes_down_again() {
+    let bench = rover("finger-again").await;
+    let (pad, knob) = (pad(&bench), knob());
     pointer_on(&knob, &bench, "touch", ("pointerdown", 0.0, 0.1));
     assert_eq!(bench.commands().await, [held(10, -10)]);
-    pointer_on(&pad, &bench, "touch", ("pointermove", 0.0, 1.0));
-    assert_eq!(bench.commands().await, [adjust(100, -100)]);
-    pointer_on(&pad, &bench, "touch", ("pointerup", 0.0, 1.0));
+    pointer_on(&pad, &bench, "touch", ("pointerdown", 0.0, 0.9));
     assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+    pointer_on(&pad, &bench, "touch", ("pointermove", 0.0, 1.0));
+    assert_eq!(bench.commands().await, []);
 }
 
 #[wasm_bindgen_test]
