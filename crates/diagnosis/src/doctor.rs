@@ -185,14 +185,16 @@ pub fn diagnose(findings: &Findings) -> Verdict {
             Diagnosis::Nothing
         });
     } else {
+        let grows = motors.iter().any(grows_with_speed);
         for motor in motors {
-            if let Some(diagnosis) = of_motor(motor, findings.computer_is_late) {
-                found.add(diagnosis);
+            // A motor that never stood cannot be told from one whose noise grows with speed. Where another motor shows
+            // that, Damaged adds nothing.
+            let is_told = grows && motor.standing.asked < STANDING_MIN;
+            match of_motor(motor, findings.computer_is_late) {
+                Some(Diagnosis::Damaged) if is_told => {}
+                Some(diagnosis) => found.add(diagnosis),
+                None => {}
             }
-        }
-        // A motor that never stood shows the same: its remedy, to stop the wheels, has been tried.
-        if found.0.contains(&Diagnosis::NoiseGrowsWithSpeed) {
-            found.0.retain(|diagnosis| *diagnosis != Diagnosis::Damaged);
         }
     }
     let answered: u32 = motors.iter().map(|motor| motor.recent.answered).sum();

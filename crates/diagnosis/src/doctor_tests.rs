@@ -86,6 +86,56 @@ fn silences_alone_are_loss_and_silences_beside_bad_crcs_are_damage() {
 }
 
 #[test]
+fn damage_while_a_wheel_turns_has_its_likely_cause() {
+    for (name, findings, expected) in [
+        (
+            "damage while it turns",
+            line(&[moving(tally(50, 0, 0), tally(600, 0, 60))]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
+        (
+            "much damage while it turns",
+            line(&[moving(tally(100, 0, 2), tally(600, 0, 400))]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
+        (
+            "damage at rest and while it turns",
+            line(&[moving(tally(100, 0, 10), tally(600, 0, 60))]),
+            vec![Diagnosis::Damaged],
+        ),
+        (
+            "damage while it turns, and it never stood",
+            line(&[moving(tally(0, 0, 0), tally(600, 0, 60))]),
+            vec![Diagnosis::Damaged],
+        ),
+        (
+            "damage while both turn, of which one never stood",
+            line(&[
+                moving(tally(50, 0, 0), tally(600, 0, 60)),
+                MotorFindings {
+                    id: two(),
+                    ..moving(tally(0, 0, 0), tally(600, 0, 60))
+                },
+            ]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
+        (
+            "damage that grows with speed, and damage at rest too",
+            line(&[
+                moving(tally(50, 0, 0), tally(600, 0, 60)),
+                MotorFindings {
+                    id: two(),
+                    ..moving(tally(100, 0, 10), tally(600, 0, 60))
+                },
+            ]),
+            vec![Diagnosis::NoiseGrowsWithSpeed, Diagnosis::Damaged],
+        ),
+    ] {
+        assert_eq!(diagnose(&findings), Verdict::Faulty(expected), "{name}");
+    }
+}
+
+#[test]
 fn what_happened_has_its_likely_cause() {
     let good = tally(100, 0, 0);
     let echo = |tally: Tally| Tally {
@@ -122,37 +172,6 @@ fn what_happened_has_its_likely_cause() {
             "garbage of one motor of two",
             line(&[standing(ID, good), standing(two(), tally(9, 0, 9))]),
             vec![Diagnosis::SharedId(two())],
-        ),
-        (
-            "damage while it turns",
-            line(&[moving(tally(50, 0, 0), tally(600, 0, 60))]),
-            vec![Diagnosis::NoiseGrowsWithSpeed],
-        ),
-        (
-            "much damage while it turns",
-            line(&[moving(tally(100, 0, 2), tally(600, 0, 400))]),
-            vec![Diagnosis::NoiseGrowsWithSpeed],
-        ),
-        (
-            "damage at rest and while it turns",
-            line(&[moving(tally(100, 0, 10), tally(600, 0, 60))]),
-            vec![Diagnosis::Damaged],
-        ),
-        (
-            "damage while it turns, and it never stood",
-            line(&[moving(tally(0, 0, 0), tally(600, 0, 60))]),
-            vec![Diagnosis::Damaged],
-        ),
-        (
-            "damage while both turn, of which one never stood",
-            line(&[
-                moving(tally(50, 0, 0), tally(600, 0, 60)),
-                MotorFindings {
-                    id: two(),
-                    ..moving(tally(0, 0, 0), tally(600, 0, 60))
-                },
-            ]),
-            vec![Diagnosis::NoiseGrowsWithSpeed],
         ),
         ("losses", alone(tally(100, 6, 0)), vec![Diagnosis::Lost]),
         (
