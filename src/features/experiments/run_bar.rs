@@ -17,7 +17,7 @@ use crate::{
     ui::{
         button::PressButton,
         format,
-        reactive::{dynamic, handler},
+        reactive::{dynamic, effect, handler},
     },
 };
 
@@ -62,6 +62,13 @@ pub(super) fn RunSettings(of: Experiments) -> impl IntoView {
 /// The buttons, and what the run does.
 #[component]
 pub(super) fn RunBar(of: Experiments) -> impl IntoView {
+    // The result of a run is not said as one of another study.
+    effect(move || {
+        let kind = of.kind();
+        if kind.is_some() && untrack(|| has_ended(of) && is_of_another(of)) {
+            of.said.set(String::new());
+        }
+    });
     let phase = move || of.shown.get().phase();
     let is_driving = move || of.shown.get().is_driving();
     let is_armed = move || of.armed_for().is_some_and(|seconds| seconds > 0);
@@ -115,12 +122,12 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
                 <p>{dynamic(move || countdown(of))}</p>
             </div>
             <p class="run-state" role="status" aria-label=tr!("Run" as "experiment")>
-                {dynamic(move || unless_of_another(of, state_words(of)))}
+                {dynamic(move || state_words(of))}
             </p>
             <p class="run-hint">{dynamic(hint)}</p>
             {switch}
             <p class="run-said" role="status" aria-label=tr!("Result of the run")>
-                {dynamic(move || unless_of_another(of, of.said.get()))}
+                {dynamic(move || of.said.get())}
             </p>
             <div class="run-buttons">
                 <PressButton
@@ -153,21 +160,22 @@ pub(super) fn RunBar(of: Experiments) -> impl IntoView {
     }
 }
 
-/// The result of another study is not said as one of this.
-fn unless_of_another(of: Experiments, words: String) -> String {
-    let has_ended = match of.shown.get() {
+/// Whether a run has driven, and has ended.
+fn has_ended(of: Experiments) -> bool {
+    match of.shown.get() {
         Shown::Reported(state) => state.began.is_some() && matches!(state.phase, Phase::Ended(_)),
         Shown::Idle | Shown::Asked => false,
-    };
-    let is_own = of.armed.with(|armed| {
-        let kind = armed.as_ref().map(|armed| armed.study.kind());
-        kind.is_none_or(|kind| of.kind() == Some(kind))
-    });
-    if has_ended && !is_own {
-        String::new()
-    } else {
-        words
     }
+}
+
+/// Whether the last armed run is of another study than the open tab.
+fn is_of_another(of: Experiments) -> bool {
+    let kind = of.kind();
+    of.armed.with(|armed| {
+        armed
+            .as_ref()
+            .is_some_and(|armed| Some(armed.study.kind()) != kind)
+    })
 }
 
 fn countdown(of: Experiments) -> String {
@@ -180,6 +188,9 @@ fn state_words(of: Experiments) -> String {
     let Shown::Reported(state) = of.shown.get() else {
         return String::new();
     };
+    if has_ended(of) && is_of_another(of) {
+        return String::new();
+    }
     let armed = of.armed.get();
     let longest = armed.as_ref().map_or(0.0, |armed| armed.plan.longest_s());
     let passed = format::in_language(format!("{:.1} s", state.passed.as_secs_f64()));

@@ -142,7 +142,7 @@ fn file_buttons(of: Experiments) -> impl IntoView {
         })
     };
     let undo_blocked_by = move || {
-        let none = of.replaced.with(Option::is_none);
+        let none = of.replaced.with(Vec::is_empty);
         none.then(|| tr!("Nothing has been replaced or removed.").to_owned())
     };
     view! {

@@ -23,6 +23,9 @@ use crate::{
 /// Rows that are drawn above and below the visible ones.
 const MARGIN: usize = 6;
 
+/// Tables that are kept for `Undo`.
+const UNDO_MAX: usize = 10;
+
 impl Experiments {
     fn edit(self, change: impl FnOnce(&mut Draft)) {
         self.draft.update(change);
@@ -31,13 +34,23 @@ impl Experiments {
 
     /// Replaces the table. [`Self::undo`] brings the one before back.
     pub(super) fn load(self, sequence: &Sequence) {
-        self.replaced.set(Some(self.draft.get_untracked()));
+        self.keep_for_undo();
         self.edit(|draft| *draft = Draft::of(sequence));
     }
 
-    /// Brings the table back that was replaced last.
+    fn keep_for_undo(self) {
+        let before = self.draft.get_untracked();
+        self.replaced.update(|kept| {
+            if kept.len() == UNDO_MAX {
+                kept.remove(0);
+            }
+            kept.push(before);
+        });
+    }
+
+    /// Brings the table back that was replaced last, or the block that was removed last.
     pub(super) fn undo(self) {
-        if let Some(before) = self.replaced.try_update(Option::take).flatten() {
+        if let Some(before) = self.replaced.try_update(Vec::pop).flatten() {
             self.edit(|draft| *draft = before);
         }
     }
@@ -55,7 +68,7 @@ impl Experiments {
 
     /// Removes the selected block, which can be the whole table. [`Self::undo`] brings it back.
     fn remove(self) {
-        self.replaced.set(Some(self.draft.get_untracked()));
+        self.keep_for_undo();
         self.edit(|draft| {
             let first = draft.selected;
             let end = table::block_end(&draft.rows, first);
