@@ -1,6 +1,10 @@
 //! The tour of the first minutes: computes the next step from the session. It drives nothing.
 
-use motorlink_messages::{Adapter, Connection, bus::Activity, protocol::MotorId};
+use motorlink_messages::{
+    Adapter, Connection,
+    bus::{Activity, MotorStatus},
+    protocol::MotorId,
+};
 
 use crate::model::snapshot::{Reading, Session};
 
@@ -92,7 +96,8 @@ impl Tour {
             return;
         }
         if self.stopped {
-            if session.active_motors().next().is_some() {
+            let is_driven = |motor: &MotorStatus| matches!(motor.activity, Activity::Driven { .. });
+            if session.motors.iter().any(is_driven) {
                 self.shown = Shown::No;
             }
             return;
@@ -187,6 +192,9 @@ mod tests {
         assert_eq!(step(&mut tour, &at(20, true)), Step::Stop);
         assert_eq!(step(&mut tour, &at(9, false)), Step::Stop, "it still turns");
         assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
+        let mut switching = at(0, false);
+        switching.motors[0].activity = Activity::Switching { to: Mode::Current };
+        assert_eq!(step(&mut tour, &switching), Step::Done);
         assert_eq!(tour.shown, Shown::Offered);
         assert_eq!(step(&mut tour, &at(20, true)), Step::Done);
         assert_eq!(tour.shown, Shown::No, "the user drives on");
