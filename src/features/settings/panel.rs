@@ -52,7 +52,8 @@ fn model_and_files() -> String {
         )),
         heading(tr!("Setup")),
         paragraph(tr!(
-            "Saves motors, vehicle, model, limits and drive settings to a file for another browser. Import replaces those of this one."
+            "Saves motors, vehicle, model, limits and drive settings to a file for another browser. \
+             Import replaces the settings of this browser."
         )),
         r#"<div class="button-row two">"#.to_owned(),
         button(EXPORT, tr!("Export setup")),
