@@ -9,7 +9,7 @@ use crate::model::snapshot::Session;
 
 /// This motor, and all others that have not answered for two seconds.
 pub(crate) fn silent(session: &Session, id: MotorId) -> Vec<MotorId> {
-    with(session, id, |motor| motor.silent)
+    with(session, id, MotorStatus::is_silent)
 }
 
 /// This motor, and all others that are being stopped: a group is stopped for one of its motors.

@@ -15,7 +15,7 @@ use crate::{
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter, Connection,
-    bus::{Activity, GroupError, GroupSetpoints, Refusal},
+    bus::{Activity, Answer, GroupError, GroupSetpoints, Refusal},
     protocol::{Mode, MotorId},
 };
 
@@ -43,8 +43,11 @@ fn request_blocked_by(session: &Session, id: MotorId) -> Option<String> {
 
 /// That this motor is silent, or that its replies are corrupted: in the words of the notice.
 pub(crate) fn blocked_by_silence(session: &Session, id: MotorId) -> Option<String> {
-    let silent = session.motor(id)?.silent;
-    silent.then(|| notice_texts::of_silence(&[id], session.garbled.contains(&id)).title)
+    let motor = session.motor(id)?;
+    let garbled = motor.answer == Answer::Corrupted;
+    motor
+        .is_silent()
+        .then(|| notice_texts::of_silence(&[id], garbled).title)
 }
 
 fn blocked_by_connection(connection: Connection) -> Option<&'static str> {

@@ -1,5 +1,6 @@
 //! Which controls can be used, and the reasons.
 
+use motorlink_messages::bus::Answer;
 use motorlink_messages::{
     bus::JobStatus,
     protocol::{Faults, Setpoint, SpeedTarget},
@@ -48,13 +49,12 @@ fn nothing_drives_while_it_must_not() {
     });
     case("No reply from motor 0x01 for 2 s", &|s| {
         s.motors = vec![status(400, Mode::Velocity, 0)];
-        s.motors[0].silent = true;
+        s.motors[0].answer = Answer::Missing;
     });
     // One state, one sentence: that of the notice.
     case("No valid reply from motor 0x01 for 2 s", &|s| {
         s.motors = vec![status(400, Mode::Velocity, 0)];
-        s.motors[0].silent = true;
-        s.garbled = vec![ID];
+        s.motors[0].answer = Answer::Corrupted;
     });
     case("stall", &|s| {
         let sample = s.motors[0].last.as_mut().unwrap();

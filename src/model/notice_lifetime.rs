@@ -43,7 +43,7 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Review {
         Until::Dismissed => false,
         Until::AnyAnswer => !update.samples.is_empty(),
         Until::Answers(ids) => {
-            let is_silent = |id: &MotorId| motor(id).is_some_and(|motor| motor.silent);
+            let is_silent = |id: &MotorId| motor(id).is_some_and(MotorStatus::is_silent);
             let left: Vec<MotorId> = ids.iter().copied().filter(is_silent).collect();
             if !left.is_empty() && left != *ids {
                 return Review::Replace(

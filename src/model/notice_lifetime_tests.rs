@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter, Connection,
-    bus::{Sample, StopReason, StopReport},
+    bus::{Answer, Sample, StopReason, StopReport},
     protocol::{Faults, Instant, Rpm, Setpoint, SpeedTarget},
 };
 
@@ -116,7 +116,7 @@ fn motors_that_were_left_driven_are_named_until_the_user_has_read_it() {
 #[test]
 fn silent_motors_are_all_named_and_each_until_it_answers() {
     let mut scenario = Scenario::new();
-    scenario.motor(2).silent = true;
+    scenario.motor(2).answer = Answer::Missing;
     assert_eq!(
         scenario.update(&[Notice::MotorSilent {
             id: id(2),
@@ -124,7 +124,7 @@ fn silent_motors_are_all_named_and_each_until_it_answers() {
         }]),
         ["No reply from motor 0x02 for 2 s"]
     );
-    scenario.motor(4).silent = true;
+    scenario.motor(4).answer = Answer::Missing;
     assert_eq!(
         scenario.update(&[Notice::MotorSilent {
             id: id(4),
@@ -132,12 +132,12 @@ fn silent_motors_are_all_named_and_each_until_it_answers() {
         }]),
         ["No reply from motors 0x02, 0x04 for 2 s"]
     );
-    scenario.motor(2).silent = false;
+    scenario.motor(2).answer = Answer::Comes;
     assert_eq!(
         scenario.update(&[Notice::MotorBack(id(2))]),
         ["No reply from motor 0x04 for 2 s"]
     );
-    scenario.motor(4).silent = false;
+    scenario.motor(4).answer = Answer::Comes;
     assert!(scenario.update(&[Notice::MotorBack(id(4))]).is_empty());
 }
 

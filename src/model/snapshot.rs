@@ -32,8 +32,6 @@ pub(crate) struct Session {
     pub(crate) line: Option<LineStatus>,
     /// The last "Stop all motors", while it is in effect.
     pub(crate) stop: Option<StopRecord>,
-    /// Silent motors from which bytes come, but no valid reply.
-    pub(crate) garbled: Vec<MotorId>,
     /// The motors whose speed and current have the reversed sign here; none in the state of the worker.
     pub(crate) mirrored: Vec<MotorId>,
 }
@@ -83,7 +81,6 @@ impl Default for Session {
             raw: None,
             line: None,
             stop: None,
-            garbled: Vec::new(),
             mirrored: Vec::new(),
         }
     }
@@ -101,7 +98,6 @@ impl Session {
         self.line = update.line;
         for notice in &update.notices {
             match notice {
-                Notice::MotorSilent { id, garbled: true } => self.garbled.push(*id),
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
                     self.record_stop(*reason, None);
                 }
@@ -115,9 +111,6 @@ impl Session {
         if !self.halted {
             self.stop = None;
         }
-        let motors = &self.motors;
-        let is_silent = |id: &MotorId| motors.iter().any(|motor| motor.id == *id && motor.silent);
-        self.garbled.retain(is_silent);
     }
 
     /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it: they have no
@@ -173,7 +166,7 @@ impl Session {
                 motor
                     .waiting
                     .map(|setpoint| session.mirror(motor.id).setpoint(setpoint)),
-                (motor.silent, motor.may_turn, motor.turns_unasked),
+                (motor.answer, motor.may_turn, motor.turns_unasked),
                 reply.map(|reply| (reply.mode, reply.faults)),
             )
         };
@@ -240,7 +233,7 @@ impl Session {
             return false;
         }
         let turns = |motor: &MotorStatus| {
-            !motor.silent && motor.speed.is_some_and(|(_, speed)| speed.rpm() != 0)
+            !motor.is_silent() && motor.speed.is_some_and(|(_, speed)| speed.rpm() != 0)
         };
         self.raw.is_some_and(|raw| raw.running)
             || self
@@ -256,7 +249,8 @@ impl Session {
                 self.connection,
                 Connection::Disconnected | Connection::Failed(_)
             );
-        let is_lost = |motor: &MotorStatus| motor.may_turn || motor.last.is_some() && motor.silent;
+        let is_lost =
+            |motor: &MotorStatus| motor.may_turn || motor.last.is_some() && motor.is_silent();
         !self.is_anything_driven()
             && self.job.is_none()
             && (port_is_closed || !self.motors.iter().any(is_lost))

@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter,
-    bus::{Counters, LinkQuality, Sample, StopReport},
+    bus::{Answer, Counters, LinkQuality, Sample, StopReport},
     protocol::{CoarsePosition, Detail, Position, Setpoint, SpeedTarget},
 };
 
@@ -35,7 +35,7 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
         position: None,
         temperature: Some((at, Celsius::new(33))),
         turns: None,
-        silent: false,
+        answer: Answer::Comes,
         may_turn: false,
         turns_unasked: false,
         link: LinkQuality::default(),
@@ -175,7 +175,7 @@ fn rest_is_known_only_of_motors_that_answer() {
     assert!(standing.is_known_to_rest());
     assert!(Session::default().is_known_to_rest(), "no motor");
     let mut silent = standing.clone();
-    silent.motors[0].silent = true;
+    silent.motors[0].answer = Answer::Missing;
     assert!(!silent.is_known_to_rest(), "it may turn");
     silent.connection = Connection::Disconnected;
     assert!(silent.is_known_to_rest(), "no stop could reach it");
@@ -240,27 +240,6 @@ fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
     assert!(!told.differs_in_state(&read) && !read.differs_in_state(&told));
     motor.activity = goal(100);
     assert!(session(1_016, motor).differs_in_state(&read));
-}
-
-#[test]
-fn corrupted_replies_are_known_until_the_motor_answers() {
-    let mut session = Session::default();
-    let mut report = |silent, notices| {
-        let motor = MotorStatus {
-            silent,
-            ..status(1, Mode::Velocity, 0)
-        };
-        session.apply(&Update {
-            motors: vec![motor],
-            ..update(false, notices)
-        });
-        session.garbled.clone()
-    };
-    let id = ID;
-    let garbled = Notice::MotorSilent { id, garbled: true };
-    assert_eq!(report(true, vec![garbled]), [ID]);
-    assert_eq!(report(true, vec![]), [ID]);
-    assert_eq!(report(false, vec![]), []);
 }
 
 #[test]

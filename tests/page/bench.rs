@@ -7,7 +7,7 @@ use leptos::mount::{UnmountHandle, mount_to};
 use motorlink::App;
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
-    bus::{Activity, Command, Counters, LinkQuality, MotorStatus, Sample},
+    bus::{Activity, Answer, Command, Counters, LinkQuality, MotorStatus, Sample},
     decode, encode,
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Reply, Rpm,
@@ -353,7 +353,7 @@ pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
         position: None,
         temperature: None,
         turns: None,
-        silent: false,
+        answer: Answer::Comes,
         may_turn: false,
         turns_unasked: false,
         link: LinkQuality::default(),

@@ -2,7 +2,10 @@
 
 use motorlink_messages::{
     Notice,
-    bus::{Activity, Command, Consent, JobStatus, ScanReport, StopOutcome, StopReason, StopReport},
+    bus::{
+        Activity, Answer, Command, Consent, JobStatus, ScanReport, StopOutcome, StopReason,
+        StopReport,
+    },
     protocol::{MotorId, Rpm, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::JsCast;
@@ -190,7 +193,7 @@ async fn no_wheel_is_spun_while_a_motor_does_not_reply() {
     until_enabled(&bench, "Spin Port").await;
     report(&bench, |update| {
         let mut silent = standing(2);
-        silent.silent = true;
+        silent.answer = Answer::Missing;
         update.motors = vec![standing(1), silent];
     });
     let port = || bench.find("button", "Spin Port");

@@ -5,7 +5,7 @@ use std::time::Duration;
 use js_sys::{Function, Reflect};
 use motorlink_messages::{
     Adapter, Connection, LineCondition, ToWorker,
-    bus::{Counters, LineStatus, RoundTripStatus, Sample},
+    bus::{Answer, Counters, LineStatus, RoundTripStatus, Sample},
     protocol::{Current, Detail, Faults, Mode, MotorId, Position, Reply, Rpm},
 };
 use wasm_bindgen::{JsCast, JsValue};
@@ -38,7 +38,9 @@ fn silent(bench: &Bench, requests: u64) {
             carries_hz: Some(54),
             ..LineStatus::default()
         });
-        update.motors[0].silent = requests > 0;
+        if requests > 0 {
+            update.motors[0].answer = Answer::Missing;
+        }
         update.motors[0].counters = Counters {
             requests,
             silences: requests,

@@ -30,7 +30,7 @@ impl CarriedRate {
         driven: &[(MotorId, Mode)],
         rate: CommandRate,
     ) -> Option<Self> {
-        let answering = || motors.iter().filter(|motor| !motor.silent);
+        let answering = || motors.iter().filter(|motor| !motor.answer.is_silent());
         let round_trips = answering().filter_map(|motor| motor.link.round_trip_us);
         let fastest_us = round_trips.min()?;
         let with = |held: Duration| {

@@ -109,7 +109,7 @@ pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_samples::{LineSamples, reported_current};
 pub use line_use::LineStatus;
 pub use mirror::Mirror;
-pub use motor_status::{Activity, MotorStatus};
+pub use motor_status::{Activity, Answer, MotorStatus};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};

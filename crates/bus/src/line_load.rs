@@ -95,7 +95,7 @@ impl Bus {
         };
         Load {
             driven_us: sum(Motor::is_driven),
-            asked_us: sum(|motor| !motor.silent),
+            asked_us: sum(|motor| !motor.answer.is_silent()),
         }
     }
 

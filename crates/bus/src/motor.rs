@@ -14,6 +14,7 @@ use crate::{
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
     model::separate::Separate,
+    motor_status::Answer,
     rate::RateMeter,
     round_trip::RoundTrip,
     sample::Sample,
@@ -83,7 +84,7 @@ pub(crate) struct Motor {
     /// The first limit that a reply has exceeded since driving began.
     exceeded: Option<ExceededLimit>,
     watched_since: Instant,
-    pub(crate) silent: bool,
+    pub(crate) answer: Answer,
     pub(crate) late: LateReplies,
     temperature_filter: TemperatureFilter,
     angle_filter: AngleFilter,
@@ -135,7 +136,7 @@ impl Motor {
             overcurrent: Overcurrent::default(),
             exceeded: None,
             watched_since: now,
-            silent: false,
+            answer: Answer::Comes,
             late: LateReplies::default(),
             temperature_filter: TemperatureFilter::default(),
             angle_filter: AngleFilter::default(),
@@ -191,11 +192,13 @@ impl Motor {
     pub(crate) fn tells(&mut self, at: Instant) -> bool {
         self.told = Some(at);
         self.request_answered(at);
-        if self.silent {
+        let was_silent = self.answer.is_silent();
+        if was_silent {
             // While it was silent it was asked more and more rarely.
             self.next_query = self.next_query.min(at);
         }
-        std::mem::take(&mut self.silent)
+        self.answer = Answer::Comes;
+        was_silent
     }
 
     /// Records that it answers, even if it tells nothing of its wheel.

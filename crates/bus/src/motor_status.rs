@@ -33,6 +33,21 @@ pub enum Activity {
     },
 }
 
+/// Whether a motor answers; of a silent one, what came when it fell silent.
+///
+/// Encoded by its number, so 0 and 1 read as the `false` and `true` of earlier versions, which asked whether it is silent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Answer {
+    /// It has answered within two seconds, or was not asked.
+    #[default]
+    Comes,
+    /// It has not answered for two seconds, and nothing came.
+    Missing,
+    /// Bytes have come for two seconds, but no valid reply.
+    Corrupted,
+}
+
 /// Status of one motor, for the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,8 +70,8 @@ pub struct MotorStatus {
     pub temperature: Option<(Instant, Celsius)>,
     /// Its turns since its first reply, or since power-up if it counts them itself.
     pub turns: Option<Turns>,
-    /// Whether it has not answered for two seconds.
-    pub silent: bool,
+    /// Whether it answers.
+    pub answer: Answer,
     /// Whether it was driven, and no reply has confirmed standstill since.
     pub may_turn: bool,
     /// Whether it turns at 10 rpm or more, or draws the current of a driven motor, although nothing here drives it.
@@ -82,11 +97,25 @@ impl MotorStatus {
             position: None,
             temperature: None,
             turns: None,
-            silent: false,
+            answer: Answer::Comes,
             may_turn: false,
             turns_unasked: false,
             link: LinkQuality::default(),
             counters: Counters::default(),
         }
+    }
+
+    /// Whether no valid reply has come for two seconds.
+    #[must_use]
+    pub const fn is_silent(&self) -> bool {
+        self.answer.is_silent()
+    }
+}
+
+impl Answer {
+    /// Whether no valid reply has come for two seconds.
+    #[must_use]
+    pub const fn is_silent(self) -> bool {
+        !matches!(self, Self::Comes)
     }
 }

@@ -9,6 +9,7 @@ use crate::{
     event::{Event, StopReason, WithdrawReason},
     mode_switch::{Progress, Switch},
     motor::{Control, Driven, Motor},
+    motor_status::Answer,
     safety::check_driven,
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX},
 };
@@ -27,11 +28,16 @@ impl Bus {
             && self.check_no_raw_hazard().is_ok();
         for motor in &mut self.motors {
             if motor.falls_silent(now) {
-                motor.silent = true;
+                let garbled = motor.garbled_in_a_row > motor.lost_in_a_row / 2;
+                motor.answer = if garbled {
+                    Answer::Corrupted
+                } else {
+                    Answer::Missing
+                };
                 motor.rest.wait_for_reply();
                 self.events.push_back(Event::MotorSilent {
                     id: motor.id,
-                    garbled: motor.garbled_in_a_row > motor.lost_in_a_row / 2,
+                    garbled,
                 });
             }
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
@@ -113,7 +119,8 @@ impl Bus {
     /// When this motor must be checked next.
     pub(crate) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
         // The end of a reply window wakes the bus if it comes later.
-        let silent = (!motor.silent && now < motor.silent_at()).then(|| motor.silent_at());
+        let silent =
+            (!motor.answer.is_silent() && now < motor.silent_at()).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,
             // With fewer unanswered requests, the end of a reply window comes first and wakes the

@@ -209,7 +209,7 @@ fn two_driven_motors_on_a_lossy_line_leave_the_third_its_queries() {
                 });
             }
             fixture.run(ms(50));
-            if !fixture.status(third).silent {
+            if !fixture.status(third).is_silent() {
                 let asked = |sent: &&Sent| sent.frame.bytes()[0] == 3;
                 let last = fixture.sent.iter().rev().find(asked);
                 let at = last.map_or(fixture.now, |sent| sent.at);

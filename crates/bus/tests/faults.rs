@@ -1,7 +1,9 @@
 //! A line that fails: echoes, junk, losses, silence, power cuts, protections.
 
 use crate::fixture::{Fixture, ID, amps, id, ms, rpm};
-use motorlink_bus::{Activity, BusSettings, Command, Event, Limits, Refusal, WithdrawReason};
+use motorlink_bus::{
+    Activity, Answer, BusSettings, Command, Event, Limits, Refusal, WithdrawReason,
+};
 use motorlink_protocol::{Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
@@ -190,6 +192,7 @@ fn a_motor_whose_replies_are_all_corrupted_is_told_from_one_without_power() {
     fixture.run(ms(3_000));
     let garbled = true;
     assert!(fixture.happened(|e| *e == Event::MotorSilent { id: ID, garbled }));
+    assert_eq!(fixture.status(ID).answer, Answer::Corrupted);
 }
 
 /// A machine that holds the worker up for a while is no silent motor.

@@ -141,7 +141,7 @@ fn a_floating_pair_makes_no_motor_and_a_bounded_log() {
             )
         };
         assert!(!fixture.happened(is_motor), "{model}");
-        assert!(fixture.status(ID).silent, "{model}");
+        assert!(fixture.status(ID).is_silent(), "{model}");
         let line = fixture.bus.line_status(fixture.now).unaddressed;
         let own = fixture.status(ID).counters;
         let levels = line.level_bytes + own.level_bytes;

@@ -57,7 +57,7 @@ fn a_motor_whose_reply_is_its_request_is_read_whatever_the_adapter_echoes() {
             let mut fixture = echoing(Model::Ddsm210, echo, seed, 0.0);
             fixture.run(ms(1_500));
             let status = fixture.status(ID);
-            assert!(!status.silent, "{echo:?} seed {seed}");
+            assert!(!status.is_silent(), "{echo:?} seed {seed}");
             assert!(status.position.is_some(), "{echo:?} seed {seed}");
             // The odometry of a wheel that has moved differs from its request.
             fixture.drive(rpm(30)).unwrap();
@@ -107,7 +107,7 @@ fn an_echo_of_a_motor_without_power_is_never_read() {
             fixture.run(ms(10_000));
             let read = fixture.happened(|event| matches!(event, Event::Telemetry(_)));
             assert!(!read, "{model} seed {seed}");
-            assert!(fixture.status(ID).silent, "{model} seed {seed}");
+            assert!(fixture.status(ID).is_silent(), "{model} seed {seed}");
             let sent = fixture.sent.len();
             assert!(sent < 150, "{model} seed {seed}: {sent} frames in 10 s");
         }

@@ -179,7 +179,7 @@ impl Screen {
                 || format!("{:>5}  no reply yet", signed.to_string()),
                 |motor| Values::of(self.model, motor, status.now, *signed).line(),
             );
-            let mut style = if motor.is_some_and(|motor| motor.turns_unasked || motor.silent) {
+            let mut style = if motor.is_some_and(|motor| motor.turns_unasked || motor.is_silent()) {
                 self.colour(Color::Red)
             } else {
                 Style::new()

@@ -108,7 +108,7 @@ const fn mode_name(mode: motorlink_protocol::Mode) -> &'static str {
 
 fn does(motor: &MotorStatus, mirror: Mirror) -> String {
     let text = match mirror.activity(motor.activity) {
-        _ if motor.silent => "no reply",
+        _ if motor.is_silent() => "no reply",
         Activity::Idle | Activity::Switching { .. } if motor.waiting.is_some() => "starting",
         Activity::Idle if motor.turns_unasked => "TURNS UNASKED",
         Activity::Idle => "idle",

@@ -127,7 +127,7 @@ impl Record {
                 id: Some(motor.id),
                 counters: motor.counters,
                 motion: motion(motor, line.now),
-                silent: motor.silent,
+                silent: motor.is_silent(),
                 overdue: motor
                     .last
                     .is_none_or(|last| line.now.since(last.at) > Self::OVERDUE_AFTER),

@@ -97,7 +97,9 @@ pub fn read(stored: &[u8], at: Instant) -> Option<Update> {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{Activity, Counters, LinkQuality, RawAnswer, RoundTripStatus, Turns};
+    use motorlink_bus::{
+        Activity, Answer, Counters, LinkQuality, RawAnswer, RoundTripStatus, Turns,
+    };
     use motorlink_protocol::{
         AssignableId, Celsius, Current, Layout, MotorId, Position, Reply, Rpm, Setpoint,
         family::Model,
@@ -150,7 +152,7 @@ mod tests {
             position: Some((at(483 + later), Position::from_raw(6_095))),
             temperature: Some((at(484 + later), Celsius::new(31))),
             turns: Some(Turns::new(-12.5)),
-            silent: false,
+            answer: Answer::Comes,
             may_turn: true,
             turns_unasked: false,
             link: LinkQuality {
@@ -248,5 +250,29 @@ mod tests {
             0x9A, 0x0B, 0x01, 0xC8, 0x01, 0x00, 0xCF, 0x2F, 0x00, 0x00, 0x01, 0x0C, 0x01,
         ];
         assert_eq!(store(state(0)), known);
+    }
+
+    /// Earlier versions had `false` and `true` there: whether the motor is silent.
+    #[test]
+    fn an_answer_is_one_byte_that_earlier_versions_knew_too() {
+        let known = store(state(0));
+        let with = |answer| {
+            let mut state = state(0);
+            state.motors[0].answer = answer;
+            store(state)
+        };
+        let corrupted = with(Answer::Corrupted);
+        let place = known
+            .iter()
+            .zip(&corrupted)
+            .position(|(one, other)| one != other);
+        let place = place.unwrap();
+        assert_eq!(known[place], 0);
+        for (byte, answer) in [(1, Answer::Missing), (2, Answer::Corrupted)] {
+            let mut stored = known.clone();
+            stored[place] = byte;
+            assert_eq!(stored, with(answer));
+            assert_eq!(read(&stored, at(500)).unwrap().motors[0].answer, answer);
+        }
     }
 }

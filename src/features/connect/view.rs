@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{Adapter, Connection, VirtualLine, protocol::MotorId};
+use motorlink_messages::{Adapter, Connection, VirtualLine, bus::MotorStatus, protocol::MotorId};
 
 use crate::{
     features::connect::actions::Connect,
@@ -83,7 +83,7 @@ fn motor_trouble(session: &Session, id: MotorId) -> Option<MotorTrouble> {
     if session.is_recording() || !matches!(session.connection, Connection::Connected(_)) {
         return None;
     }
-    if session.motor(id).is_some_and(|motor| motor.silent) {
+    if session.motor(id).is_some_and(MotorStatus::is_silent) {
         return Some(MotorTrouble::Silent);
     }
     let faults = session.faults(id).filter(Reading::is_fresh)?.value;
@@ -185,6 +185,7 @@ pub(crate) fn virtual_blocked_by(page: Page, wanted: Option<VirtualLine>) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use motorlink_messages::bus::Answer;
     use motorlink_messages::protocol::{Faults, Mode};
 
     use super::*;
@@ -199,7 +200,7 @@ mod tests {
             sample.reply.faults = Faults::from_byte(0x10);
         }
         assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Fault));
-        faulty.motors[0].silent = true;
+        faulty.motors[0].answer = Answer::Missing;
         assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Silent));
         faulty.connection = Connection::Disconnected;
         assert_eq!(motor_trouble(&faulty, ID), None);

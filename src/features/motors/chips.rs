@@ -3,7 +3,10 @@
 use motorlink_i18n::tr;
 use std::fmt::Write;
 
-use motorlink_messages::protocol::{Faults, MotorId};
+use motorlink_messages::{
+    bus::MotorStatus,
+    protocol::{Faults, MotorId},
+};
 
 use crate::{
     model::{
@@ -102,7 +105,7 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     let is_bad = session
         .faults(id)
         .is_some_and(|faults| !faults.value.is_none());
-    if session.motor(id).is_some_and(|motor| motor.silent) {
+    if session.motor(id).is_some_and(MotorStatus::is_silent) {
         faults = Figure {
             text: tr!("No reply").to_owned(),
             look: "silent",
@@ -139,6 +142,7 @@ fn brief(faults: Faults) -> String {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_messages::bus::Answer;
     use motorlink_messages::protocol::Mode;
 
     use super::*;
@@ -200,7 +204,7 @@ mod tests {
     #[test]
     fn a_silent_motor_is_not_ok() {
         let mut session = session(4_000, status(1_000, Mode::Velocity, 0));
-        session.motors[0].silent = true;
+        session.motors[0].answer = Answer::Missing;
         assert_eq!(texts(&session)[3], ("No reply".to_owned(), "silent"));
     }
 

@@ -71,7 +71,7 @@ impl Watch {
             };
             // A silent motor has a notice of its own.
             let known = self.0.iter().find(|known| known.id == motor.id);
-            known.filter(|_| !motor.silent).map_or(begin, |known| {
+            known.filter(|_| !motor.is_silent()).map_or(begin, |known| {
                 // Another connection counts from 0.
                 let requests = motor.counters.requests.checked_sub(known.from.requests);
                 let lost = motor.counters.lost().saturating_sub(known.from.lost());
@@ -121,6 +121,7 @@ fn of_poor_line(ids: &[MotorId]) -> NoticeText {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_messages::bus::Answer;
     use motorlink_messages::protocol::Mode;
 
     use super::*;
@@ -167,12 +168,12 @@ mod tests {
         let counters = &mut session.motors[0].counters;
         (counters.requests, counters.silences, counters.late) = (100, 40, 40);
         assert_eq!(watch.look(&session), None);
-        session.motors[0].silent = true;
+        session.motors[0].answer = Answer::Missing;
         session.motors[0].counters.requests = 200;
         session.motors[0].counters.silences = 140;
         assert_eq!(watch.look(&session), None);
         // What was lost meanwhile is not held against it.
-        session.motors[0].silent = false;
+        session.motors[0].answer = Answer::Comes;
         session.motors[0].counters.requests = 300;
         assert_eq!(watch.look(&session), None);
     }

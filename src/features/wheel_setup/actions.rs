@@ -182,7 +182,7 @@ impl WheelSetup {
         // Forgets motors that were unplugged after they got their ID: a silent motor counts as one that may turn, so no
         // wheel could be spun.
         let silent = |session: &Session| -> Vec<MotorId> {
-            let silent = session.motors.iter().filter(|motor| motor.silent);
+            let silent = session.motors.iter().filter(|motor| motor.is_silent());
             silent.map(|motor| motor.id).collect()
         };
         for id in self.page.latest.with_value(silent) {

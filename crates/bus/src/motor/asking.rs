@@ -20,7 +20,7 @@ impl Motor {
         self.separate.asks_loop = !self.separate.asks_loop;
         // A silent motor costs the others a reply window each time, so it is queried more and more
         // rarely, unless its wheel may turn.
-        let period = if !self.silent {
+        let period = if !self.answer.is_silent() {
             self.silent_queries = 0;
             period
         } else if others_driven && self.rest != Rest::StopWhenBack {

@@ -110,7 +110,7 @@ impl Motor {
     /// Whether it has just fallen silent: it was asked, and did not answer.
     pub(crate) fn falls_silent(&self, now: Instant) -> bool {
         let was_asked = self.lost_in_a_row >= DRIVEN_UNANSWERED_MAX;
-        !self.silent && was_asked && now >= self.silent_at()
+        !self.answer.is_silent() && was_asked && now >= self.silent_at()
     }
 
     /// How long a driven motor has been silent, from the command at the earliest.
@@ -157,7 +157,7 @@ impl Motor {
             position: self.position,
             temperature: self.temperature,
             turns: self.turns.turns(),
-            silent: self.silent,
+            answer: self.answer,
             may_turn: self.may_turn(),
             turns_unasked: self.is_free() && self.turning_unasked.is_shown(),
             link: LinkQuality {

@@ -41,14 +41,14 @@ impl Asked {
         let before = mem::take(&mut self.at);
         let mut judged = 0;
         for status in bus.motors(now) {
-            let known = before.get(&status.id).filter(|_| !status.silent);
+            let known = before.get(&status.id).filter(|_| !status.is_silent());
             let asked = known.copied().unwrap_or(now);
             self.at.insert(status.id, asked);
             if now.since(asked.max(self.excused_until)) > ASKED_WITHIN {
                 let what = format!("{} was asked at {asked:?} and not since", status.id);
                 return broken(Rule::AskedInTime, now, what).map(|()| judged);
             }
-            judged += u64::from(!status.silent);
+            judged += u64::from(!status.is_silent());
         }
         Ok(judged)
     }

@@ -220,7 +220,7 @@ fn known(motor: &Motor, now: Option<Instant>) -> messages::Motor {
             Activity::Switching { .. } => messages::Activity::Switching,
             Activity::DrivenRaw => messages::Activity::DrivenRaw,
         },
-        is_silent: status.silent,
+        is_silent: status.is_silent(),
         may_turn: status.may_turn,
         turns_unasked: status.turns_unasked,
         faults: motor.faults.map(Faults::byte),

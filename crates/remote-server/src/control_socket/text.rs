@@ -157,7 +157,7 @@ async fn state(viewers: &Viewers) -> String {
 fn push(text: &mut String, motor: &Motor, now: Option<Instant>) {
     let status = &motor.status;
     let activity = match status.activity {
-        Activity::Idle if status.silent => "silent",
+        Activity::Idle if status.is_silent() => "silent",
         Activity::Idle => "idle",
         Activity::Driven { .. } => "driven",
         Activity::Stopping { .. } => "stopping",

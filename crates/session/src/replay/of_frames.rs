@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use motorlink_bus::{
-    Activity, LineEvent, LineEventKind, LineSamples, LineStatus, MotorStatus, Sample, TurnCounter,
-    commanded, commanded_setpoint,
+    Activity, Answer, LineEvent, LineEventKind, LineSamples, LineStatus, MotorStatus, Sample,
+    TurnCounter, commanded, commanded_setpoint,
 };
 use motorlink_messages::{Connection, Update};
 use motorlink_protocol::{Instant, MotorId};
@@ -130,7 +130,7 @@ impl Motor {
         self.turns.record(at, &reply);
         let status = &mut self.status;
         status.last = Some(sample);
-        status.silent = false;
+        status.answer = Answer::Comes;
         status.counters.requests += 1;
         status.counters.replies += 1;
         status.speed = reply.speed.map(|speed| (at, speed)).or(status.speed);
@@ -151,7 +151,9 @@ impl Motor {
         status.counters.requests += 1;
         status.counters.silences += 1;
         let last = status.last.map_or(Instant::ZERO, |last| last.at);
-        status.silent = at.since(last) >= SILENT_AFTER;
+        if at.since(last) >= SILENT_AFTER {
+            status.answer = Answer::Missing;
+        }
     }
 
     fn activity(&self, at: Instant) -> Activity {

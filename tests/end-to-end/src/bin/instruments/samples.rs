@@ -3,7 +3,7 @@
 use anyhow::Result;
 use motorlink_messages::{
     Adapter, Connection, ToPage, Update,
-    bus::{Activity, Counters, LinkQuality, MotorStatus, Sample},
+    bus::{Activity, Answer, Counters, LinkQuality, MotorStatus, Sample},
     encode,
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
@@ -62,7 +62,7 @@ fn status(last: Option<Sample>) -> MotorStatus {
         position: None,
         temperature: None,
         turns: None,
-        silent: false,
+        answer: Answer::Comes,
         may_turn: false,
         turns_unasked: false,
         link: LinkQuality::default(),
