@@ -55,6 +55,14 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
                 let history = features.page.history;
                 history.update_value(|history| history.recall_goals(changes));
             }
+            Show::Faults(changes) => {
+                let clock = features.page.worker.clock.get_value();
+                let mut faults = FaultHistory::default();
+                for change in changes {
+                    faults.on_change(change, clock.wall_ms(change.at));
+                }
+                features.exchange_faults(faults);
+            }
             Show::Rows(rows) => features.log.take(rows.clone()),
             Show::Close => features.update(&Update::without_motors(
                 features.page.now(),

@@ -151,7 +151,6 @@ impl Features {
         }
         if matches!(before, Connection::Connected(_)) {
             self.readings.forget();
-            self.readings.end_faults_of_silent(None);
             self.page.announce(Change::Disconnected);
             self.raw.forget();
             self.page.notices.update(NoticeBoard::close_line);
@@ -171,7 +170,6 @@ impl Features {
                 }
             }
             Notice::ModeSwitched { id, mode } if *id == selected => self.page.follow(*mode),
-            Notice::MotorSilent { id, .. } => self.readings.end_faults_of_silent(Some(*id)),
             // It may be back before the page learned of the loss.
             Notice::AdapterLost { .. } => self.page.withdraw_question(),
             _ => {}
@@ -270,7 +268,7 @@ impl Features {
         });
         self.page.worker.state.set(WorkerState::Dead);
         self.readings.forget();
-        self.readings.end_faults_of_silent(None);
+        self.readings.end_faults();
         self.page.announce(Change::Disconnected);
         self.page.notices.update(|board| {
             board.close_line();

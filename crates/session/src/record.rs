@@ -1,9 +1,18 @@
 //! The records of a session.
 
+use std::time::Duration;
+
 use motorlink_bus::{LineEvent, LineEventKind, StopOutcome};
 use motorlink_messages::Update;
 use motorlink_protocol::Instant;
 use strum::{EnumString, IntoStaticStr, VariantArray};
+
+/// A line that is open has a record in a shorter time. If none came for so long, the page was closed, or its worker
+/// stood still.
+pub(crate) const STATE_HOLDS: Duration = Duration::from_secs(5);
+
+/// A motor that has not answered for so long is silent.
+pub(crate) const SILENT_AFTER: Duration = Duration::from_secs(2);
 
 /// One event of a session.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,15 +17,11 @@ use crate::{
     mcap::container::Container,
     messages::{Message, Messages},
     overview::Overview,
-    record::{Event, EventKind, Record, What},
+    record::{Event, EventKind, Record, STATE_HOLDS, What},
 };
 
 /// A state is at most so much older than a record behind it: less than a replay looks back.
 const STATE_EVERY: Duration = Duration::from_secs(2);
-
-/// A line that is open has a record in a shorter time. If none came for so long, the page was closed, or its worker
-/// stood still.
-pub(crate) const STATE_HOLDS: Duration = Duration::from_secs(5);
 
 /// Writes a session file. The caller takes the bytes regularly ([`Writer::take`]). The writer keeps one chunk, the
 /// overview and the index: a few megabytes for an hour.
@@ -157,7 +153,7 @@ impl Writer {
             return;
         };
         self.put_state(at, update.clone());
-        self.overview.reach(at, self.messages.utc_ns(at));
+        self.overview.state(&update, self.messages.utc_ns(at));
         update.samples = Vec::new();
         self.last = at;
         self.last_state = Some((at, update));

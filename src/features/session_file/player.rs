@@ -19,7 +19,10 @@ use motorlink_messages::{
     bus::Sample,
     protocol::Instant,
     recorder::{LogPage, Row},
-    sessions::{ActivityChange, FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
+    sessions::{
+        ActivityChange, FaultChange, FromReplay, Place, PlaySpeed, SessionInfo, ToReplay,
+        ToSessions,
+    },
 };
 
 use crate::{
@@ -51,6 +54,8 @@ pub(crate) enum Show<'a> {
     Past(&'a [Sample]),
     /// Add what motors did before to the graph.
     PastActivities(&'a [ActivityChange]),
+    /// Show these faults instead of those so far.
+    Faults(&'a [FaultChange]),
     /// Show these rows of the packet log.
     Rows(&'a LogPage),
     /// The recording closes.
@@ -202,6 +207,7 @@ impl Player {
             FromReplay::Jumped => self.show(Show::Nothing),
             FromReplay::Update { place, update } => self.arrived(place, &update),
             FromReplay::PastActivities(changes) => self.show(Show::PastActivities(&changes)),
+            FromReplay::Faults(changes) => self.show(Show::Faults(&changes)),
             FromReplay::Past(samples) => self.show(Show::Past(&samples)),
             FromReplay::Log { rows, frame } => {
                 self.frame.set(frame.map(|frame| *frame));

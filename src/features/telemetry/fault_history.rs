@@ -1,7 +1,10 @@
 //! The history of faults, kept until the user marks them as seen.
 
 use motorlink_i18n::{terms, tr};
-use motorlink_messages::protocol::{Fault, Faults, MotorId};
+use motorlink_messages::{
+    protocol::{Fault, Faults, MotorId},
+    sessions::FaultChange,
+};
 
 /// One occurrence of a fault. Times are milliseconds of the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +77,14 @@ impl FaultHistory {
         record.update(faults, at_ms);
         self.motors.push(record);
         true
+    }
+
+    /// Records a change in a recording.
+    pub(crate) fn on_change(&mut self, change: &FaultChange, at_ms: f64) {
+        match change.faults {
+            Some(faults) => self.on_report(change.id, faults, at_ms),
+            None => self.end_unknown(Some(change.id)),
+        };
     }
 
     /// Ends the active faults of a motor that stopped answering, or of every motor with `None`: whether they are

@@ -1,5 +1,7 @@
 //! Scenarios of faults.
 
+use motorlink_messages::protocol::Instant;
+
 use super::*;
 
 const ID: MotorId = MotorId::FIRST;
@@ -116,6 +118,18 @@ fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
         entries(&history, ID),
         [stall(9.0, End::Active), stall(1.0, End::Unknown)]
     );
+}
+
+#[test]
+fn a_motor_of_a_recording_that_stopped_answering_leaves_its_fault_unknown() {
+    let mut history = FaultHistory::default();
+    let id = ID;
+    let (at, stalled) = (Instant::ZERO, Some(with(&[Fault::Stall])));
+    for (at_ms, faults) in [(1.0, stalled), (2.0, None), (3.0, stalled)] {
+        history.on_change(&FaultChange { at, id, faults }, at_ms);
+    }
+    let expected = [stall(3.0, End::Active), stall(1.0, End::Unknown)];
+    assert_eq!(entries(&history, ID), expected);
 }
 
 #[test]

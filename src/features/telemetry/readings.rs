@@ -4,7 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Update,
     bus::{Activity, Sample},
-    protocol::{Angle, MotorId, Rpm},
+    protocol::{Angle, Rpm},
 };
 
 use crate::{
@@ -62,6 +62,12 @@ impl Readings {
             for Sample { at, reply } in &update.samples {
                 changed |= history.on_report(reply.id, reply.faults, clock.wall_ms(*at));
             }
+            for motor in update.motors.iter().filter(|motor| motor.is_silent()) {
+                changed |= history.end_unknown(Some(motor.id));
+            }
+            if update.motors.is_empty() {
+                changed |= history.end_unknown(None);
+            }
             changed
         });
     }
@@ -100,7 +106,9 @@ impl Readings {
         });
     }
 
-    pub(crate) fn end_faults_of_silent(self, id: Option<MotorId>) {
-        self.faults.maybe_update(|history| history.end_unknown(id));
+    /// No motor tells its faults any more.
+    pub(crate) fn end_faults(self) {
+        self.faults
+            .maybe_update(|history| history.end_unknown(None));
     }
 }

@@ -140,6 +140,7 @@ impl View {
                 FromReplay::Unreadable => self.is_unreadable = true,
                 FromReplay::Begun { .. }
                 | FromReplay::PastActivities(_)
+                | FromReplay::Faults(_)
                 | FromReplay::Log { .. } => {}
             }
         }

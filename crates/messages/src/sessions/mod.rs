@@ -13,7 +13,7 @@ use motorlink_protocol::{Faults, Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
 pub use problems::{NotASession, Problem};
-pub use replay::{ActivityChange, FromReplay, Place, PlaySpeed, ToReplay};
+pub use replay::{ActivityChange, FaultChange, FromReplay, Place, PlaySpeed, ToReplay};
 
 /// From the page to the session worker.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

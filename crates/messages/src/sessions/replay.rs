@@ -4,7 +4,7 @@
 //! as the port worker would send them, [`FromReplay::Log`] the rows of the packet log.
 
 use motorlink_bus::{Activity, Sample};
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::{Faults, Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -87,7 +87,7 @@ pub enum FromReplay {
         duration_us: u64,
     },
     /// The replay jumps: everything that the page shows of it is dropped. [`FromReplay::Update`] follows at once,
-    /// then [`FromReplay::Past`].
+    /// then [`FromReplay::Faults`] and [`FromReplay::Past`].
     Jumped,
     /// The state at the present place, and what has happened since the last update.
     /// [`Update::connection`] is [`Adapter::Recording`](crate::Adapter::Recording).
@@ -102,6 +102,8 @@ pub enum FromReplay {
     Past(Vec<Sample>),
     /// What the motors did before a jump, oldest first: for the targets in the graph.
     PastActivities(Vec<ActivityChange>),
+    /// The changes of faults up to a place to which it has jumped, oldest first; of a long session the newest.
+    Faults(Vec<FaultChange>),
     /// The packet log of the replay.
     Log {
         /// Rows, as in [`FromRecorder::Log`](crate::recorder::FromRecorder::Log).
@@ -122,6 +124,17 @@ pub struct ActivityChange {
     pub id: MotorId,
     /// What it does.
     pub activity: Activity,
+}
+
+/// A motor reports other faults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FaultChange {
+    /// When.
+    pub at: Instant,
+    /// Which motor.
+    pub id: MotorId,
+    /// What it reports from then on; `None` if it stopped answering.
+    pub faults: Option<Faults>,
 }
 
 /// The present place of a replay.

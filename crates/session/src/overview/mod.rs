@@ -3,18 +3,22 @@
 //! It is computed while a session is written and stored in the file, so that the first picture needs no frames. For a
 //! file without one, such as a truncated file, all records are read once.
 
+mod faults;
 mod motor;
 mod stored;
 
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind, LineSamples};
+use motorlink_messages::{Update, sessions::FaultChange};
 use motorlink_protocol::{
     Instant, MotorId, Reply,
     family::{Model, Reading, Request},
 };
 
-use crate::record::{EventKind, Record, What};
+use crate::record::{EventKind, Record, STATE_HOLDS, What};
+
+use faults::FaultChanges;
 
 pub use motor::{Extent, MotorOverview};
 
@@ -39,6 +43,7 @@ pub struct Overview {
     first: Option<(Instant, u64)>,
     last: Option<(Instant, u64)>,
     motors: BTreeMap<MotorId, MotorOverview>,
+    faults: FaultChanges,
     marks: Vec<Mark>,
     /// How many of the marks are bookmarks.
     bookmarks: usize,
@@ -67,6 +72,7 @@ impl Default for Overview {
             first: None,
             last: None,
             motors: BTreeMap::new(),
+            faults: FaultChanges::default(),
             marks: Vec::new(),
             bookmarks: 0,
             samples: LineSamples::default(),
@@ -104,6 +110,11 @@ impl Overview {
     /// The session reaches this time. Returns its first.
     pub(crate) fn reach(&mut self, at: Instant, utc_ns: u64) -> Instant {
         let (first, _) = *self.first.get_or_insert((at, utc_ns));
+        if let Some((last, _)) = self.last
+            && at.since(last) > STATE_HOLDS
+        {
+            self.faults.gap(last + STATE_HOLDS);
+        }
         if self.last.is_none_or(|(last, _)| at >= last) {
             self.last = Some((at, utc_ns));
         }
@@ -118,11 +129,18 @@ impl Overview {
             What::Line(kind) => {
                 let (at, kind) = (record.at, *kind);
                 if let Some(sample) = self.samples.add_event(&LineEvent { at, kind }) {
+                    self.faults.frame(&sample);
                     self.replied(after, &sample.reply);
+                }
+                if let LineEventKind::Silence { id, .. } = kind {
+                    self.faults.silence(at, id);
                 }
                 self.line(&kind);
             }
             What::Event(event) => {
+                if event.kind == EventKind::Disconnected {
+                    self.faults.end_all(record.at);
+                }
                 if self.has_room_for(event.kind) {
                     self.bookmarks += usize::from(event.kind == EventKind::Bookmark);
                     self.marks.push(Mark {
@@ -135,8 +153,14 @@ impl Overview {
                     self.marks_left_out += 1;
                 }
             }
-            What::State(_) => {}
+            What::State(update) => self.faults.state(update),
         }
+    }
+
+    /// Takes what the page showed.
+    pub(crate) fn state(&mut self, update: &Update, utc_ns: u64) {
+        self.reach(update.now, utc_ns);
+        self.faults.state(update);
     }
 
     /// Whether another mark of this kind has room. Bookmarks are of the user, and a copy of the file has only those of
@@ -251,6 +275,12 @@ impl Overview {
     pub fn motors(&self) -> impl Iterator<Item = (MotorId, &MotorOverview)> {
         let motors = self.motors.iter().map(|(id, motor)| (*id, motor));
         motors.filter(|(_, motor)| motor.replies > 0 || motor.lost > 0)
+    }
+
+    /// The changes of the faults that motors report, oldest first; of a long session the newest.
+    #[must_use]
+    pub fn fault_changes(&self) -> &[FaultChange] {
+        self.faults.all()
     }
 
     /// Replaces the events, and adds to the number of those that are left out.

@@ -1,12 +1,16 @@
 //! Stores the overview as a JSON attachment.
 
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::LineSamples;
+use motorlink_messages::sessions::FaultChange;
 use motorlink_protocol::{Current, Faults, Instant, MotorId, Rpm, family::Model};
 use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
 
-use super::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview, bookmarks_in};
+use super::{
+    BUCKETS_MAX, Extent, FaultChanges, MARKS_MAX, Mark, MotorOverview, Overview, bookmarks_in,
+    faults::CHANGES_MAX,
+};
 use crate::{channels::integer, record::EventKind};
 
 /// The version of the format. An overview of another version is computed again.
@@ -30,6 +34,20 @@ impl DisplayJson for Mark {
             f.member("kind", self.kind.name())?;
             f.member("error", self.error)?;
             f.member("text", &self.text)
+        })
+    }
+}
+
+/// A change of faults.
+struct Change<'a>(&'a FaultChange);
+
+impl DisplayJson for Change<'_> {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        let FaultChange { at, id, faults } = self.0;
+        f.array(|f| {
+            f.elements([at.as_micros(), id.get().into()])?;
+            // A motor that stopped answering has none.
+            f.elements(faults.map(|faults| u64::from(faults.byte())))
         })
     }
 }
@@ -63,6 +81,7 @@ impl Overview {
         let moment =
             |moment: Option<(Instant, u64)>| moment.map(|(at, utc_ns)| [at.as_micros(), utc_ns]);
         let motors = nojson::array(|f| f.elements(self.motors().map(|(id, m)| Motor(id, m))));
+        let changes = nojson::array(|f| f.elements(self.faults.all().iter().map(Change)));
         let json = nojson::object(|f| {
             f.member("version", VERSION)?;
             f.member("bucket_us", self.bucket_us)?;
@@ -75,13 +94,14 @@ impl Overview {
             f.member("junk", self.junk)?;
             f.member("not_sent", self.not_sent)?;
             f.member("motors", &motors)?;
+            f.member("fault_changes", &changes)?;
             f.member("marks", &self.marks)?;
             f.member("marks_left_out", self.marks_left_out)
         });
         json.to_string()
     }
 
-    /// Parses an overview; `None` if it is invalid or of another version.
+    /// Parses an overview; `None` if it is invalid, of another version, or of one that lacks a part.
     #[must_use]
     pub fn from_json(json: &[u8]) -> Option<Self> {
         let json = RawJson::parse(std::str::from_utf8(json).ok()?).ok()?;
@@ -103,12 +123,15 @@ impl Overview {
         let elements = |name| value.to_member(name).ok()?.optional()?.to_array().ok();
         let marks = elements("marks")?.take(MARKS_MAX).map(mark);
         let marks = marks.collect::<Option<Vec<_>>>()?;
-        let motors = elements("motors")?.map(motor);
+        let motors = elements("motors")?.map(motor).collect::<Option<_>>()?;
+        let changes = elements("fault_changes")?.take(CHANGES_MAX);
+        let changes = changes.map(|change| fault_change(change, &motors));
         Some(Self {
             bucket_us: number("bucket_us").filter(|bucket| *bucket > 0)?,
             first,
             last,
-            motors: motors.collect::<Option<_>>()?,
+            faults: FaultChanges::stored(changes.collect::<Option<_>>()?),
+            motors,
             bookmarks: bookmarks_in(&marks),
             marks,
             samples: LineSamples::default(),
@@ -176,6 +199,26 @@ fn motor(motor: RawJsonValue<'_, '_>) -> Option<(MotorId, MotorOverview)> {
         buckets: buckets.collect::<Result<_, ()>>().ok()?,
     };
     Some((MotorId::new(integer(motor, "id")?).ok()?, overview))
+}
+
+/// Parses a change of faults; those of a motor are of its model.
+fn fault_change(
+    change: RawJsonValue<'_, '_>,
+    motors: &BTreeMap<MotorId, MotorOverview>,
+) -> Option<FaultChange> {
+    let numbers = change.to_array().ok()?;
+    let mut numbers = numbers.map(|one| one.as_integer_str().ok()?.parse::<u64>().ok());
+    let at = Instant::from_micros(numbers.next()??);
+    let id = MotorId::new(u8::try_from(numbers.next()??).ok()?).ok()?;
+    let model = motors.get(&id).map(|motor| motor.faults.model());
+    let faults = match numbers.next() {
+        Some(byte) => Some(Faults::of(
+            model.unwrap_or_default(),
+            u8::try_from(byte?).ok()?,
+        )),
+        None => None,
+    };
+    Some(FaultChange { at, id, faults })
 }
 
 /// Parses the values of a bucket.

@@ -9,13 +9,10 @@ use motorlink_bus::{
 use motorlink_messages::{Connection, Update};
 use motorlink_protocol::{Instant, MotorId};
 
-use crate::record::{EventKind, What};
+use crate::record::{EventKind, SILENT_AFTER, What};
 
 /// A drive frame counts for so long: such frames come at least twice a second.
 const DRIVEN_FOR: Duration = Duration::from_millis(1_500);
-
-/// A motor that has not answered for so long is silent.
-const SILENT_AFTER: Duration = Duration::from_secs(2);
 
 /// The last replies and setpoints of the motors. What no frame tells is not known: limits, stops, a raw frame, a scan.
 #[derive(Debug, Default)]

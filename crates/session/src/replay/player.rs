@@ -5,7 +5,7 @@ use std::{collections::VecDeque, ops::Range};
 use motorlink_bus::Sample;
 use motorlink_messages::{
     recorder::PAST_SAMPLES_MAX,
-    sessions::{FromReplay, Place, ToReplay},
+    sessions::{FaultChange, FromReplay, Place, ToReplay},
 };
 use motorlink_protocol::Instant;
 use motorlink_recorder::{LocalTime, WallClock};
@@ -52,6 +52,8 @@ pub struct Player {
     next_place: Option<Instant>,
     /// Samples before a jump that the page does not have yet.
     past: VecDeque<Sample>,
+    /// The changes of faults in the whole session.
+    faults: Vec<FaultChange>,
     rows: LogRows,
     outgoing: VecDeque<FromReplay>,
 }
@@ -97,6 +99,7 @@ impl Player {
             search: None,
             next_place: None,
             past: VecDeque::new(),
+            faults: overview.fault_changes().to_vec(),
             rows: LogRows::default(),
             outgoing: VecDeque::from([begun]),
         }
@@ -277,6 +280,10 @@ impl Player {
                 }
                 self.outgoing.push_back(FromReplay::Jumped);
                 self.update();
+                let until = self.track.state.shown_at(target);
+                let faults = self.faults.iter().filter(|change| change.at <= until);
+                let faults = FromReplay::Faults(faults.copied().collect());
+                self.outgoing.push_back(faults);
                 self.search = match self.next_place.take() {
                     Some(next) => Some(Search::picture(context, next)),
                     None if from <= self.times.first => None,

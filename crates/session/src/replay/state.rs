@@ -7,7 +7,7 @@ use motorlink_messages::{Adapter, Connection, Update, sessions::ActivityChange};
 use motorlink_protocol::{Instant, MotorId};
 
 use super::of_frames::OfFrames;
-use crate::{record::What, writer::STATE_HOLDS};
+use crate::record::{STATE_HOLDS, What};
 
 /// Replies are in an update after at most 50 ms.
 const UPDATE_WITHIN: Duration = Duration::from_millis(60);
@@ -136,6 +136,13 @@ impl State {
                 kept.note_all(self.last + STATE_HOLDS, &[]);
             }
         }
+    }
+
+    /// The time of the state that is shown at this time. One without motors holds: nothing is known of any.
+    pub(super) fn shown_at(&self, now: Instant) -> Instant {
+        let stored = self.stored.as_ref();
+        let stored = stored.filter(|update| !update.motors.is_empty());
+        stored.map_or(now, |update| update.now)
     }
 
     /// The state at this time, which is not before the last record, and the replies since the last update.

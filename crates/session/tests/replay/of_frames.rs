@@ -57,10 +57,10 @@ fn replies_turns_and_setpoints_are_those_of_the_page() {
         };
         assert_eq!(first.activity, Activity::Driven { setpoint });
         assert_eq!(second.activity, Activity::Idle);
-        assert!(!second.silent);
+        assert!(!second.is_silent());
         let end = replay.seek(stopped + ms(3_900));
         assert_eq!(end.motors[0].activity, Activity::Idle);
-        assert!(end.motors[1].silent && !end.motors[0].silent);
+        assert!(end.motors[1].is_silent() && !end.motors[0].is_silent());
         assert!(end.motors[1].counters.silences > 0);
     }
 }

@@ -133,7 +133,7 @@ fn the_graph_gets_the_last_minute_before_a_jump_newest_part_first() {
                 shown.splice(0..0, part.iter().copied());
             }
             FromReplay::Update { update, .. } => assert_eq!(update.samples, []),
-            FromReplay::PastActivities(_) => {}
+            FromReplay::PastActivities(_) | FromReplay::Faults(_) => {}
             other => panic!("{other:?}"),
         }
     }

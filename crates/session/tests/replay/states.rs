@@ -1,16 +1,16 @@
 //! Of a session with states, a replay shows at every moment what the page showed, field by field.
 
-use std::env;
+use std::{collections::BTreeMap, env, time::Duration};
 
 use motorlink_bus::{
     BusSettings, Command, Consent, Limits, LineEvent, LineEventKind, Repeat, Sample,
 };
 use motorlink_messages::{
     Adapter, Connection, Update,
-    sessions::{FromReplay, ToReplay},
+    sessions::{FaultChange, FromReplay, ToReplay},
     stored_state,
 };
-use motorlink_protocol::{Instant, Request, family::Model};
+use motorlink_protocol::{Faults, Instant, MotorId, Request, family::Model};
 use motorlink_session::Writer;
 
 use super::{
@@ -52,6 +52,14 @@ fn stretch(model: Model, seed: u64) -> (Vec<u8>, Vec<Update>) {
     for _ in 0..3 + dice.below(12) {
         if dice.below(8) == 0 {
             live.world.set_faults(dice.faults());
+        }
+        // An overheated motor reports a fault until it has cooled down.
+        let celsius = [25.0, 95.0].get(usize::try_from(dice.below(6)).unwrap());
+        if let Some(celsius) = celsius {
+            live.world
+                .motor_mut(id(1))
+                .unwrap()
+                .set_temperature_c(*celsius);
         }
         let power = dice.below(12);
         if power < 2 {
@@ -100,8 +108,33 @@ fn graph_after_jump(messages: &[FromReplay]) -> Vec<Sample> {
     samples
 }
 
+/// The changes of faults that the page saw up to this time. A reply at the very time of an update may be in the next one.
+fn faults_until(live: &[Update], at: Instant) -> Vec<FaultChange> {
+    let mut changes = Vec::new();
+    let mut last: BTreeMap<MotorId, Faults> = BTreeMap::new();
+    let seen = live.partition_point(|update| update.now <= at);
+    let shown_at = seen.checked_sub(1).map(|last| live[last].now);
+    for update in live.iter().take(seen + 1) {
+        let replies = update.samples.iter();
+        let mut told: Vec<_> = replies
+            .map(|sample| (sample.at, sample.reply.id, Some(sample.reply.faults)))
+            .collect();
+        let silent = update.motors.iter().filter(|motor| motor.is_silent());
+        told.extend(silent.map(|motor| (update.now, motor.id, None)));
+        for (at, id, faults) in told {
+            let last = last.entry(id).or_insert(Faults::NONE);
+            let before = std::mem::replace(last, faults.unwrap_or(Faults::NONE));
+            if before.byte() != last.byte() && Some(at) <= shown_at {
+                changes.push(FaultChange { at, id, faults });
+            }
+        }
+    }
+    changes
+}
+
 #[test]
 fn a_jump_shows_what_the_page_showed() {
+    let (mut began, mut unknown) = (0, 0);
     for_each_stretch(|dice, file, live, context| {
         let mut replay = Replay::of(file);
         let (first, last) = (live.first().unwrap().now, live.last().unwrap().now);
@@ -114,7 +147,19 @@ fn a_jump_shows_what_the_page_showed() {
                 ..replay.seek(at)
             };
             assert_eq!(replayed, shown(live, at), "{context}");
-            let samples = graph_after_jump(&replay.messages[before..]);
+            let messages = &replay.messages[before..];
+            let faults = messages.iter().find_map(|message| match message {
+                FromReplay::Faults(changes) => Some(changes),
+                _ => None,
+            });
+            let shown = faults_until(live, at);
+            assert_eq!(faults, Some(&shown), "{context}, {at:?}");
+            began += shown.len();
+            unknown += shown
+                .iter()
+                .filter(|change| change.faults.is_none())
+                .count();
+            let samples = graph_after_jump(messages);
             let past = live.iter().filter(|update| update.now <= at);
             let past: Vec<_> = past.flat_map(|update| &update.samples).copied().collect();
             let times = |samples: &[Sample]| {
@@ -125,6 +170,7 @@ fn a_jump_shows_what_the_page_showed() {
             assert_eq!(samples, past, "{context}, {at:?}");
         }
     });
+    assert!(began > 200 && unknown > 10, "{began} {unknown}");
 }
 
 #[test]
@@ -174,6 +220,41 @@ fn silent_page(queries: impl IntoIterator<Item = u64>) -> Vec<u8> {
         writer.line(&LineEvent { at, kind });
     }
     writer.finish()
+}
+
+/// Behind a gap nothing is known of a motor, nor of its faults.
+#[test]
+fn a_fault_is_unknown_behind_a_gap() {
+    let mut live = Live::of(Model::Ddsm115);
+    live.world.motor_mut(id(1)).unwrap().set_temperature_c(95.0);
+    live.run(ms(1_000));
+    let last = live.end().1.into_iter().rev();
+    let hot = |sample: &Sample| !sample.reply.faults.is_none();
+    let mut with_fault = last.filter(|update| update.samples.iter().any(hot));
+    let update = with_fault.next().expect("a fault");
+    let at = update.now;
+    let mut writer = Writer::new(ZERO_US, &[]);
+    writer.state(at, &stored_state::store(update));
+    let frame = Request::Query { id: id(1) }.frame();
+    let kind = LineEventKind::Sent { frame, mode: None };
+    writer.line(&LineEvent {
+        at: at + ms(60_000),
+        kind,
+    });
+    let file = writer.finish();
+    let mut replay = Replay::of(&file);
+    let mut faults_at = |after: Duration| {
+        let before = replay.messages.len();
+        replay.seek(at + after);
+        let all = replay.messages[before..].iter();
+        let mut changes = all.filter_map(|message| match message {
+            FromReplay::Faults(changes) => changes.last().copied(),
+            _ => None,
+        });
+        changes.next_back().expect("a change").faults
+    };
+    assert!(faults_at(ms(2_000)).is_some_and(|faults| !faults.is_none()));
+    assert_eq!(faults_at(ms(30_000)), None);
 }
 
 /// A page that hangs gets no updates: its readings grow old.
