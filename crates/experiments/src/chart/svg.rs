@@ -6,14 +6,14 @@ use motorlink_markup::Element;
 
 use super::{Chart, Line, Look, Names};
 
-/// Width and height, in its own units.
+/// Width and height without a legend, in its own units.
 const SIZE: (f64, f64) = (720.0, 340.0);
 /// Space for the labels: left, top, right, bottom.
 const MARGIN: [f64; 4] = [64.0, 30.0, 16.0, 44.0];
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
-/// Width of a column of the legend.
-const COLUMN: f64 = 160.0;
+/// Columns of the legend. It stands above the plot, never over a curve.
+const LEGEND_COLUMNS: u32 = 2;
 /// A line with more points is drawn by the least and greatest of each of this many columns.
 const COLUMNS: usize = 1_000;
 
@@ -28,8 +28,7 @@ pub const STYLE: &str = ".chart text{font:12px system-ui,sans-serif;fill:#5a6474
 /// Charts below each other as one SVG file.
 #[must_use]
 pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
-    let count = f64::from(u32::try_from(charts.len()).unwrap_or(1).max(1));
-    let height = SIZE.1 * count;
+    let height: f64 = charts.iter().map(Chart::height).sum();
     let mut root = Element::new("svg")
         .with("xmlns", "http://www.w3.org/2000/svg")
         .with("width", SIZE.0.to_string())
@@ -42,13 +41,14 @@ pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
                 .with("height", "100%")
                 .with("fill", "#ffffff"),
         );
-    for (place, chart) in (0_u32..).zip(charts) {
-        let down = SIZE.1 * f64::from(place);
+    let mut down = 0.0;
+    for chart in charts {
         root = root.child(
             chart
                 .parts(names)
                 .with("transform", format!("translate(0 {down})")),
         );
+        down += chart.height();
     }
     let mut out = String::new();
     root.write(&mut out);
@@ -60,14 +60,33 @@ impl Chart {
     #[must_use]
     pub fn svg(&self, names: &Names<'_>) -> Element {
         Element::new("svg")
-            .with("viewBox", format!("0 0 {} {}", SIZE.0, SIZE.1))
+            .with("viewBox", format!("0 0 {} {}", SIZE.0, self.height()))
             .with("aria-hidden", "true")
             .child(self.parts(names))
     }
 
+    /// The lines in the legend.
+    fn entries(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| !line.name.is_empty())
+    }
+
+    fn legend_height(&self) -> f64 {
+        let count = u32::try_from(self.entries().count()).unwrap_or(u32::MAX);
+        ROW * f64::from(count.div_ceil(LEGEND_COLUMNS))
+    }
+
+    fn height(&self) -> f64 {
+        SIZE.1 + self.legend_height()
+    }
+
+    /// The top of the plot.
+    fn top(&self) -> f64 {
+        MARGIN[1] + self.legend_height()
+    }
+
     fn parts(&self, names: &Names<'_>) -> Element {
-        let [left, top, right, bottom] = MARGIN;
-        let (end, floor) = (SIZE.0 - right, SIZE.1 - bottom);
+        let [left, _, right, bottom] = MARGIN;
+        let (end, top, floor) = (SIZE.0 - right, self.top(), self.height() - bottom);
         let text = |x: f64, y: f64, anchor: &str, words: String| {
             Element::new("text")
                 .with("x", short(x))
@@ -103,14 +122,13 @@ impl Chart {
         }
         group = group
             .child(text(left, top - 14.0, "start", names(self.y.name)))
-            .child(text(end, SIZE.1 - 8.0, "end", names(self.x.name)));
+            .child(text(end, self.height() - 8.0, "end", names(self.x.name)));
         group = group.children(self.lines.iter().map(|line| self.path(line)));
-        let entries = self.lines.iter().filter(|line| !line.name.is_empty());
-        for (place, line) in (0_u32..).zip(entries) {
-            // In columns from the right, because the left has the name of the axis.
-            let x = end - COLUMN * f64::from(place / 4);
-            let y = top - 14.0 + ROW * f64::from(place % 4);
-            let entry = text(x, y, "end", line.name.clone());
+        let column = (end - left) / f64::from(LEGEND_COLUMNS);
+        for (place, line) in (0..).zip(self.entries()) {
+            let x = left + column * f64::from(place % LEGEND_COLUMNS);
+            let y = ROW * f64::from(1 + place / LEGEND_COLUMNS);
+            let entry = text(x, y, "start", line.name.clone());
             group = group.child(entry.with("class", format!("legend {}", colour(line))));
         }
         group
@@ -165,8 +183,8 @@ impl Chart {
     }
 
     fn y_of(&self, value: f64) -> f64 {
-        let [_, top, _, bottom] = MARGIN;
-        SIZE.1 - bottom - self.y.place(value) * (SIZE.1 - top - bottom)
+        let floor = self.height() - MARGIN[3];
+        floor - self.y.place(value) * (floor - self.top())
     }
 }
 
@@ -215,11 +233,11 @@ mod tests {
         let chart = Chart::of(AxisName::Time, AxisName::Speed, vec![line]).unwrap();
         let text = file(&[chart.clone(), chart.clone()], &|name| format!("{name:?}"));
         assert!(text.contains("&lt;b&gt;") && !text.contains("<b>"));
-        assert!(text.contains("translate(0 340)"));
+        assert!(text.contains("translate(0 358)"));
         assert!(text.len() < 100_000, "{}", text.len());
         for (x, y) in &chart.lines[0].points {
             assert!((64.0..=704.0).contains(&chart.x_of(*x)));
-            assert!((30.0..=296.0).contains(&chart.y_of(*y)));
+            assert!((48.0..=314.0).contains(&chart.y_of(*y)));
         }
     }
 }

@@ -4,24 +4,23 @@ use js_sys::Array;
 use leptos::prelude::*;
 use motorlink_i18n::{current_language, tr};
 use motorlink_messages::experiments::{
-    analysis::{SetpointRate, setpoint_rate},
     chart::{Chart, file},
     kept::{
-        ReportRun, ReportTexts, RunHeader, figures_to_csv, figures_to_json, record_to_csv, report,
-        run_to_json,
+        ReportRun, ReportTexts, figures_to_csv, figures_to_json, record_to_csv, report, run_to_json,
     },
-    runner::Record,
-    study::StudyKind,
 };
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{
     Blob, BlobPropertyBag, CanvasRenderingContext2d, HtmlCanvasElement, HtmlImageElement, Url,
 };
 
-use super::{figures::Figures, texts, view::charts_of};
+use super::{
+    texts,
+    view::{charts_of, figures_of, rates},
+};
 use crate::{
     features::experiments::{kept::KeptRuns, texts as study_texts},
-    ui::download::save_blob,
+    ui::{clock::local_date, download::save_blob},
 };
 
 /// Pixels of a picture for each unit of the chart.
@@ -94,14 +93,14 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
                     _ => run_to_json(&header, record),
                 });
                 if let Some(text) = text {
-                    save_text(&text, &format!("motorlink-run-{number}.{end}"));
+                    save_text(&text, &file_name(kept, *number, end));
                 }
             }
         }
         Format::FiguresCsv | Format::FiguresJson => {
             for number in runs {
                 if let Some(text) = figures(kept, *number, format) {
-                    save_text(&text, &format!("motorlink-run-{number}.{end}"));
+                    save_text(&text, &file_name(kept, *number, end));
                 }
             }
         }
@@ -116,18 +115,17 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
                 .collect();
             let charts = charts_of(kept, runs);
             let html = report(&texts, &sections, &charts, &texts::axis);
-            save_text(&html, "motorlink-report.html");
+            let first = runs.first().copied().unwrap_or_default();
+            save_text(&html, &file_name(kept, first, "report.html"));
         }
         Format::Png => save_picture(&charts_of(kept, runs)),
     }
 }
 
-/// The rate of each motor. A run that withholds frames has none.
-fn rates(header: &RunHeader, kind: StudyKind, record: &Record) -> Vec<SetpointRate> {
-    let ids = header.motors.iter().map(|(id, _)| *id);
-    ids.filter(|_| kind != StudyKind::Silence)
-        .filter_map(|id| setpoint_rate(record, id, header.request_hz))
-        .collect()
+/// `motorlink-run-3-2026-11-29.csv`: the number and the date of the run.
+fn file_name(kept: KeptRuns, number: u32, end: &str) -> String {
+    let date = kept.header(number).map(|run| local_date(run.began_unix_ms));
+    format!("motorlink-run-{number}-{}.{end}", date.unwrap_or_default())
 }
 
 fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
@@ -145,19 +143,16 @@ fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {
             study_texts::limits(header.limits()),
         ),
     ];
-    let named = |(name, value): (&str, String)| (name.to_owned(), value);
-    let rates = kept.with_record(number, |record| rates(&header, kind, record));
+    let rates = rates(kept, &header);
     let rates = rates.and_then(|rates| texts::setpoint_rate(&header, &rates));
-    rows.extend(rates.into_iter().flatten().map(named));
+    rows.extend(rates);
+    rows.extend(texts::accelerations(&study).map(|list| (tr!("Accelerations").to_owned(), list)));
     rows.extend(study.parameters().iter().map(|parameter| {
         let (name, unit) = study_texts::parameter(parameter.name);
         let value = study_texts::number(parameter.value());
         (name.to_owned(), format!("{value} {unit}"))
     }));
-    let figures = kept
-        .findings(number)
-        .map(|found| Figures::of(&found, &header.model));
-    let figures = figures.unwrap_or_default();
+    let figures = figures_of(kept, &header).unwrap_or_default();
     if figures.columns.len() > 1 {
         rows.push((String::new(), figures.columns.join(" | ")));
     }

@@ -143,7 +143,12 @@ fn row(of: Choice, run: &RunHeader) -> impl IntoView + use<> {
     let is_marked = move || of.marked.with(|marked| marked.contains(&number));
     let is_shown = move || of.shown.with(|shown| shown.contains(&number));
     let kind = run.study().map_or("", |study| texts::study(study.kind()));
-    let facts = format!("{kind} · {} · {}", names::motors(run), run.model);
+    let mut facts = format!("{kind} · {} · {}", names::motors(run), run.model);
+    let study = run.study();
+    if let Some(list) = study.as_ref().and_then(names::accelerations) {
+        let named = tr!("Acceleration {value}", value = list);
+        facts = format!("{facts} · {named}");
+    }
     let ended = names::outcome(run.outcome);
     let class = match run.outcome {
         Outcome::PageClosed => "bad",

@@ -6,6 +6,7 @@ use motorlink_messages::experiments::{
     chart::AxisName,
     kept::{Outcome, RunHeader},
     runner::End,
+    study::Study,
 };
 
 use crate::{
@@ -91,28 +92,25 @@ pub(super) fn legend(run: &RunHeader) -> String {
 }
 
 /// What was asked of each motor and what the line carried; `None` if the record does not tell it.
-pub(super) fn setpoint_rate(
-    run: &RunHeader,
-    rates: &[SetpointRate],
-) -> Option<[(&'static str, String); 2]> {
-    let list = |of: &dyn Fn(&SetpointRate) -> f64, decimals| {
-        let numbers = rates.iter().map(|rate| number(of(rate), decimals));
-        numbers.collect::<Vec<_>>().join(", ")
-    };
+pub(super) fn setpoint_rate(run: &RunHeader, rates: &[SetpointRate]) -> Option<(String, String)> {
     let asked = texts::number(run.request_hz);
-    let achieved = list(&|rate| rate.achieved_hz, 1);
+    let achieved = rates.iter().map(|rate| number(rate.achieved_hz, 1));
+    let achieved = achieved.collect::<Vec<_>>().join(", ");
     (!rates.is_empty()).then(|| {
-        [
-            (
-                tr!("Setpoints a second"),
-                tr!("asked {asked}, achieved {achieved}", asked, achieved),
-            ),
-            (
-                tr!("Lost replies"),
-                format!("{} %", list(&|rate| 100.0 * rate.lost, 1)),
-            ),
-        ]
+        (
+            tr!("Setpoints a second").to_owned(),
+            tr!("asked {asked}, achieved {achieved}", asked, achieved),
+        )
     })
+}
+
+/// The accelerations of step responses: `1, 5`.
+pub(super) fn accelerations(study: &Study) -> Option<String> {
+    let Study::Step(study) = study else {
+        return None;
+    };
+    let bytes = study.accelerations.iter().map(|one| one.byte().to_string());
+    Some(bytes.collect::<Vec<_>>().join(", "))
 }
 
 /// The local date and time of its start.

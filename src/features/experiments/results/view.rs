@@ -3,7 +3,9 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
+    analysis::{SetpointRate, setpoint_rate},
     chart::{Chart, charts, compared_charts},
+    kept::{Outcome, RunHeader},
     study::{Findings, StudyKind},
 };
 
@@ -31,6 +33,29 @@ pub(super) fn charts_of(kept: KeptRuns, shown: &[u32]) -> Vec<Chart> {
         })
         .collect();
     compared_charts(&runs, &names::acceleration)
+}
+
+/// The figures of a run with the replies that it lost; `None` while its record is read.
+pub(super) fn figures_of(kept: KeptRuns, header: &RunHeader) -> Option<Figures> {
+    let found = kept.findings(header.number)?;
+    let mut figures = Figures::of(&found, &header.model);
+    if let Some(rates) = rates(kept, header) {
+        figures.add_lost(&rates);
+    }
+    Some(figures)
+}
+
+/// The rate of each motor, once the run has ended. A run that withholds frames has none.
+pub(super) fn rates(kept: KeptRuns, header: &RunHeader) -> Option<Vec<SetpointRate>> {
+    let is_withheld = header.study()?.kind() == StudyKind::Silence;
+    if is_withheld || header.outcome == Outcome::Running {
+        return None;
+    }
+    let ids = header.motors.iter().map(|(id, _)| *id);
+    kept.with_record(header.number, |record| {
+        ids.filter_map(|id| setpoint_rate(record, id, header.request_hz))
+            .collect()
+    })
 }
 
 /// The charts. `shown` has the numbers of the runs.
@@ -71,9 +96,7 @@ pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoVi
         let shown = shown.get();
         let runs = shown.iter().filter_map(|number| {
             let header = kept.header(*number)?;
-            let found = kept.findings(*number)?;
-            let figures = Figures::of(&found, &header.model);
-            Some((names::legend(&header), figures))
+            Some((names::legend(&header), figures_of(kept, &header)?))
         });
         (shown.len() > 1).then(|| figures_view(Figures::beside_each_other(runs)))
     };
@@ -82,9 +105,7 @@ pub(crate) fn RunFigures(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoVi
         let shown = if shown.len() > 1 { Vec::new() } else { shown };
         let runs = shown.into_iter().filter_map(move |number| {
             let header = kept.header(number)?;
-            let figures = kept
-                .findings(number)
-                .map(|found| Figures::of(&found, &header.model));
+            let figures = figures_of(kept, &header);
             let outcome = names::end(kept, &header);
             Some(view! {
                 <section class="run-figures" aria-label=header.name.clone()>

@@ -12,12 +12,18 @@ mod torque_speed;
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    experiments::{analysis::Estimate, study::Findings},
+    experiments::{
+        analysis::{Estimate, SetpointRate},
+        study::Findings,
+    },
     protocol::family::Model,
 };
 
 use super::texts::{self, number};
 use crate::ui::format::UNKNOWN;
+
+/// More lost replies than this share are said beside the figures.
+const LOST_MAX: f64 = 0.01;
 
 /// A figure, with a value for each column.
 pub(super) struct Figure {
@@ -117,6 +123,22 @@ impl Figures {
         });
     }
 
+    /// Replies that were lost, in each column: of its motor, or of the motor of the study.
+    pub(super) fn add_lost(&mut self, rates: &[SetpointRate]) {
+        let width = self.rows.first().map_or(1, |row| row.values.len());
+        let of_column = |place| rates.get(place).or_else(|| rates.first());
+        let lost = (0..width).map(|place| {
+            let lost = of_column(place)?.lost;
+            Some(format!("{} %", number(100.0 * lost, 1)))
+        });
+        self.row(tr!("Lost replies"), lost.collect());
+        if rates.iter().any(|rate| rate.lost > LOST_MAX) {
+            self.says(tr!(
+                "Replies were lost. The figures are those of the replies that came. Link health in Diagnose may know the cause."
+            ));
+        }
+    }
+
     fn estimate(&mut self, name: &'static str, found: Option<Estimate>, factor: f64, unit: &str) {
         self.row(name, vec![Some(estimate(found, factor, unit))]);
     }
@@ -183,6 +205,25 @@ mod tests {
         assert_eq!(estimate(None, 1e3, "mA/rpm"), "not measurable");
         assert_eq!(number(-0.001, 1), "0.0");
         assert_eq!(number(-1.25, 1), "\u{2212}1.2");
+    }
+
+    #[test]
+    fn a_run_that_lost_replies_does_not_look_like_a_good_one() {
+        let rate = |lost| SetpointRate {
+            achieved_hz: 50.0,
+            lost,
+        };
+        let mut good = Figures::default();
+        good.add_lost(&[rate(0.0)]);
+        assert_eq!(
+            (good.rows[0].values[0].as_str(), good.meaning.len()),
+            ("0.0 %", 0)
+        );
+        let mut figures = Figures::default();
+        figures.row("of two motors", vec![None, None]);
+        figures.add_lost(&[rate(0.0), rate(0.125)]);
+        assert_eq!(figures.rows[1].values, ["0.0 %", "12.5 %"]);
+        assert_eq!(figures.meaning.len(), 1);
     }
 
     #[test]

@@ -36,6 +36,6 @@ pub(super) fn add(figures: &mut Figures, models: &[Option<FittedModel>], step_rp
         Some(format!("{error} {}", rpm()))
     });
     figures.says(tr!(
-        "The dotted line is the model. Its order is the one with the lower AICc, and an interval (±) of 99 % needs three repeats."
+        "In the chart of one run, the dotted line is the model. Its order is the one with the lower AICc, and an interval (±) of 99 % needs three repeats."
     ));
 }
