@@ -60,6 +60,13 @@ fn replay(scenario: &Scenario) -> Result<()> {
     let wheel = in_sight(page, LAPTOP, "img", "Digital twin")?;
     assert!(wheel.height() >= 250.0, "{wheel:?}");
     all_in_sight(page, LAPTOP, &READ_OUTS)?;
+    look(page, View::PHONE)?;
+    page.evaluate("scrollTo(0, 0)")?;
+    let wheel = in_sight(page, View::PHONE, "img", "Digital twin")?;
+    for (role, name) in READ_OUTS {
+        let card = in_sight(page, View::PHONE, role, name)?;
+        assert!(card.top >= wheel.bottom, "{name} at {card:?}, {wheel:?}");
+    }
     look(page, View::DESKTOP)?;
     let from_us = now_us();
     page.click("button", "Play")?;
