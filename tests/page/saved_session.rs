@@ -2,12 +2,16 @@
 
 use motorlink::{Preferences, Theme};
 use motorlink_messages::{
-    protocol::Mode,
+    bus::Activity,
+    protocol::{Mode, Setpoint},
     recorder::{FromRecorder, NotSaved, RecordingStatus, SavedSession, ToRecorder},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use crate::{bench::Bench, fake_recorder::FakeRecorder};
+use crate::{
+    bench::{Bench, motor},
+    fake_recorder::FakeRecorder,
+};
 
 const SESSION: SavedSession = SavedSession {
     from_ms: 1_795_266_900_000.0,
@@ -72,6 +76,21 @@ async fn a_kept_session_is_forgotten_or_left() {
     bench.click("Dismiss previous session");
     until_nothing_is_offered(&bench).await;
     assert!(recorder.received().await.is_empty());
+}
+
+#[wasm_bindgen_test]
+async fn the_offer_covers_no_wheel_that_is_driven() {
+    let (_recorder, bench) = offered("kept-driven").await;
+    let setpoint = Setpoint::Brake;
+    let driven = motor(Mode::Velocity, Activity::Driven { setpoint });
+    bench.report(driven, false);
+    until_nothing_is_offered(&bench).await;
+    bench.report(motor(Mode::Velocity, Activity::Idle), false);
+    bench
+        .until("the offer again", || {
+            !bench.find_all("button", "Restore session").is_empty()
+        })
+        .await;
 }
 
 #[wasm_bindgen_test]

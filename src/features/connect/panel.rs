@@ -98,9 +98,10 @@ fn choices(chosen: VirtualLine) -> String {
         format!(r#"<option value="{key}"{mark}>{name} · {maker_name}</option>"#)
     });
     format!(
-        r#"<div role="radiogroup" aria-label="{}">{}</div><label class="labelled"><span class="label" aria-hidden="true">{}</span><select class="select" id="{MODEL}" aria-label="{}">{}</select></label>"#,
+        r#"<div role="radiogroup" aria-label="{}">{}</div><p class="quiet">{}</p><label class="labelled"><span class="label" aria-hidden="true">{}</span><select class="select" id="{MODEL}" aria-label="{}">{}</select></label>"#,
         tr!("Motors"),
         motors.concat(),
+        tr!("One of each fault: each motor reports its fault all the time, and does not turn."),
         tr!("Model"),
         tr!("Model of the virtual motors"),
         models.concat(),

@@ -20,8 +20,8 @@ pub(crate) const FIGURES: [&str; 7] = [
     ".link-drawing",
 ];
 
-/// As far as the list of virtual wires.
-fn head() -> String {
+/// The panel without what changes in it. A fault to practise on stands beside what it does to the diagnosis.
+pub(crate) fn panel() -> String {
     let mut html = String::new();
     push(
         &mut html,
@@ -30,7 +30,31 @@ fn head() -> String {
             tr!("Link diagnosis"),
             r#"" aria-live="polite"></ul><output class="quiet link-judged" aria-live="off" aria-label=""#,
             tr!("Based on"),
-            r#""></output><output class="link-carries" aria-label=""#,
+            r#""></output><label class="link-wire"><span class="label">"#,
+            tr!("Simulated fault"),
+            r#"</span><select class="select" aria-label=""#,
+            tr!("Simulated fault"),
+            r#"" disabled title=""#,
+            no_virtual_wire(),
+            "\">",
+        ],
+    );
+    // The value of each is its place.
+    for (place, wire) in LineCondition::ALL.iter().enumerate() {
+        let (place, name) = (place.to_string(), texts::wire(*wire));
+        push(
+            &mut html,
+            &["<option value=\"", &place, "\">", name, "</option>"],
+        );
+    }
+    push(
+        &mut html,
+        &[
+            "</select></label><p class=\"quiet\">",
+            tr!(
+                "Two motors with one ID: the page stops the motor first, because both obey its frames."
+            ),
+            r#"</p><output class="link-carries" aria-label=""#,
             tr!("Bus capacity"),
             r#""></output><div class="link-figures">"#,
         ],
@@ -63,36 +87,7 @@ fn head() -> String {
             tr!("Round trips of the last 256 exchanges, in ms"),
             r#""></div><table class="link-motors" aria-label=""#,
             tr!("Motors on the bus"),
-            r#""></table><label class="link-wire"><span class="label">"#,
-            tr!("Simulated fault"),
-            r#"</span><select class="select" aria-label=""#,
-            tr!("Simulated fault"),
-            r#"" disabled title=""#,
-        ],
-    );
-    html
-}
-
-/// The panel without what changes in it.
-pub(crate) fn panel() -> String {
-    let mut html = head();
-    push(&mut html, &[no_virtual_wire(), "\">"]);
-    // The value of each is its place.
-    for (place, wire) in LineCondition::ALL.iter().enumerate() {
-        let (place, name) = (place.to_string(), texts::wire(*wire));
-        push(
-            &mut html,
-            &["<option value=\"", &place, "\">", name, "</option>"],
-        );
-    }
-    push(
-        &mut html,
-        &[
-            "</select></label><p class=\"quiet\">",
-            tr!(
-                "Two motors with one ID: the page stops the motor first, because both obey its frames."
-            ),
-            "</p>",
+            r#""></table>"#,
         ],
     );
     html

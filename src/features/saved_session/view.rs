@@ -43,9 +43,13 @@ fn markup() -> String {
     .concat()
 }
 
-/// Whether no session is offered.
+/// Whether no session is offered, or something is looked at that the offer would cover.
 pub(crate) fn is_hidden(saved: SavedSession) -> bool {
     saved.offer.with(|offer| *offer == Offer::None)
+        || saved
+            .page
+            .shown
+            .with(|session| session.is_recording() || session.active_motors().next().is_some())
 }
 
 /// The offer, among the notices.
