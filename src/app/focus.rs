@@ -8,7 +8,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlElement, KeyboardEvent};
+use web_sys::{Element, FocusOptions, HtmlElement, KeyboardEvent};
 
 use crate::{
     app::keyboard::{has_focus, last_target},
@@ -168,7 +168,7 @@ fn pass_on_if_dropped(held: &RefCell<Held>) {
     }
     let next: Vec<Element> = held.borrow().next().collect();
     // No longer borrowed: moving the focus is noted.
-    let _ = next.iter().find(|element| focus_on(element));
+    let _ = next.iter().find(|element| focus_on(element, Scroll::None));
 }
 
 /// A browser drops the focus after the frame in which the control is hidden.
@@ -190,7 +190,7 @@ fn enter(panel: &Element) {
         .active_element()
         .map(|focused| focused.closest(OPENED));
     if !matches!(opened, Some(Ok(Some(_)))) {
-        focus_on(panel);
+        focus_on(panel, Scroll::IntoView);
     }
 }
 
@@ -200,19 +200,30 @@ fn enter_place(key: &KeyboardEvent) {
     let opened = key.default_prevented();
     let controls = || document().query_selector(CONTROLS).ok().flatten();
     if let Some(controls) = opened.then(controls).flatten() {
-        focus_on(&controls);
+        focus_on(&controls, Scroll::None);
         window().scroll_to_with_x_and_y(0.0, 0.0);
     }
 }
 
+/// What the focus does to the page.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Scroll {
+    /// What takes the focus comes into view.
+    IntoView,
+    /// Nothing moves: the user has not asked for this focus.
+    None,
+}
+
 /// Returns whether the element took the focus. A hidden or disabled one does not.
-fn focus_on(element: &Element) -> bool {
+fn focus_on(element: &Element, scroll: Scroll) -> bool {
     let Some(control) = element.dyn_ref::<HtmlElement>() else {
         return false;
     };
     if control.tab_index() < 0 && !control.has_attribute("tabindex") {
         let _ = control.set_attribute("tabindex", "-1");
     }
-    let _ = control.focus();
+    let options = FocusOptions::new();
+    options.set_prevent_scroll(scroll == Scroll::None);
+    let _ = control.focus_with_options(&options);
     document().active_element().as_ref() == Some(element)
 }

@@ -77,6 +77,34 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
     assert!((scroller.scroll_top() - f64::from(4_993 * 24)).abs() < 1.5);
 }
 
+/// Tab passes the buttons of the rows on the way to the next control.
+#[wasm_bindgen_test]
+async fn auto_scroll_goes_on_when_the_focus_has_passed_by() {
+    let (recorder, bench, _style) = page("auto-scroll-focus", 50).await;
+    recorder.log_row(|row| row.collapsed_before = 48);
+    let button = || {
+        let rows = rows(&bench);
+        let button = rows.last()?.0.query_selector("button:not([hidden])");
+        button.unwrap()?.dyn_into::<HtmlElement>().ok()
+    };
+    bench.until("a row to open", || button().is_some()).await;
+    let filter = bench.find("searchbox", "Filter");
+    button().unwrap().focus().unwrap();
+    bench
+        .until("a list at rest", || !auto_scrolls(&bench))
+        .await;
+    filter.focus().unwrap();
+    bench
+        .until("the newest again", || auto_scrolls(&bench))
+        .await;
+    // What was opened stays in sight.
+    button().unwrap().focus().unwrap();
+    button().unwrap().click();
+    filter.focus().unwrap();
+    pause(100).await;
+    assert!(!auto_scrolls(&bench));
+}
+
 #[wasm_bindgen_test]
 async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back() {
     let (recorder, bench, _style) = page("auto-scroll", 500).await;

@@ -14,10 +14,11 @@ use crate::{features::graph::state::Chart, ui::listener::on_window};
 pub(crate) struct Watchers {
     resize: Option<ResizeObserver>,
     sight: Option<IntersectionObserver>,
-    dark: Option<MediaQueryList>,
+    /// What decides the colours of the page.
+    looks: [Option<MediaQueryList>; 2],
     _on_resize: Closure<dyn FnMut()>,
     _on_sight: Closure<dyn FnMut(js_sys::Array)>,
-    on_dark: Closure<dyn FnMut()>,
+    on_looks: Closure<dyn FnMut()>,
 }
 
 impl Watchers {
@@ -52,27 +53,25 @@ impl Watchers {
             Some(sight) => sight.observe(plot),
             None => chart.in_sight.set(true),
         }
-        let on_dark = Closure::<dyn FnMut()>::new(move || {
+        let on_looks = Closure::<dyn FnMut()>::new(move || {
             chart.looks_stale.set(true);
             chart.wake();
         });
-        let dark = window()
-            .match_media("(prefers-color-scheme: dark)")
-            .ok()
-            .flatten();
-        if let Some(dark) = &dark {
-            let target: &EventTarget = dark;
+        let looks = ["(prefers-color-scheme: dark)", "(prefers-contrast: more)"];
+        let looks = looks.map(|query| window().match_media(query).ok().flatten());
+        for list in looks.iter().flatten() {
+            let target: &EventTarget = list;
+            let callback = on_looks.as_ref().unchecked_ref();
             // Without it the graph keeps its colours until the next drawing for another reason.
-            let _ =
-                target.add_event_listener_with_callback("change", on_dark.as_ref().unchecked_ref());
+            let _ = target.add_event_listener_with_callback("change", callback);
         }
         Self {
             resize,
             sight,
-            dark,
+            looks,
             _on_resize: on_resize,
             _on_sight: on_sight,
-            on_dark,
+            on_looks,
         }
     }
 }
@@ -85,9 +84,9 @@ impl Drop for Watchers {
         if let Some(sight) = &self.sight {
             sight.disconnect();
         }
-        if let Some(dark) = &self.dark {
-            let target: &EventTarget = dark;
-            let callback = self.on_dark.as_ref().unchecked_ref();
+        for list in self.looks.iter().flatten() {
+            let target: &EventTarget = list;
+            let callback = self.on_looks.as_ref().unchecked_ref();
             // A listener that cannot be removed was never added.
             let _ = target.remove_event_listener_with_callback("change", callback);
         }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlButtonElement, HtmlElement};
+use web_sys::{Element, FocusEvent, HtmlButtonElement, HtmlElement, KeyboardEvent};
 
 use crate::{
     features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
@@ -68,25 +68,30 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
         frames.set_value(Some(running));
     });
 
-    let touch = move || touched_ms.set_value(page_now_ms());
+    let passed_by_tab = StoredValue::new(false);
+    // Who scrolls or presses in the list reads it.
+    let touch = move |passes: bool| {
+        touched_ms.set_value(page_now_ms());
+        passed_by_tab.update_value(|passed| *passed &= passes);
+    };
     let scroll = move |_| {
         if let Some(scroller) = scroller.get_untracked()
             && log.scrolled(&scroller)
         {
-            touch();
+            touch(true);
         }
     };
+    let (row_entered, list_left) = on_focus(log, passed_by_tab);
     let nothing = move || {
         let alive = log.page.recorder.alive.get();
         log.state.with(|state| texts::of_no_rows(state, alive))
     };
-    let back = memo(move || log.state.with(|state| (state.following, state.new_rows)));
-    let back_reads = move || match back.get() {
-        (_, 0) => tr!("Jump to newest").to_owned(),
-        (_, new) => tr!("Jump to newest · {count} new", count = grouped(new)),
-    };
     view! {
-        <div class="packet-list">
+        <div
+            class="packet-list"
+            // Whoever only passes by on the way to another control has not left the newest rows.
+            on:focusout=handler(list_left)
+        >
             <div
                 class="packet-scroller"
                 role="log"
@@ -96,9 +101,9 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                 node_ref=scroller
                 on:scroll=handler(scroll)
                 // Before the list starts to move, for example by a key.
-                on:keydown=handler(move |_| touch())
-                on:wheel=handler(move |_| touch())
-                on:pointerdown=handler(move |_| touch())
+                on:keydown=handler(move |event: KeyboardEvent| touch(event.key() == "Tab"))
+                on:wheel=handler(move |_| touch(false))
+                on:pointerdown=handler(move |_| touch(false))
             >
                 <div class="packet-extent" node_ref=extent>
                     <div class="packet-window">
@@ -107,13 +112,14 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                             node_ref=rows
                             on:click=handler(move |event| {
                                 if let Some(row) = toggled_row(&event) {
+                                    passed_by_tab.set_value(false);
                                     log.toggle(row);
                                 } else if let Some(row) = pressed_row(&event) {
                                     replay::keeps(Crossing::Row(row));
                                 }
                             })
                             // A row that moves under the pointer, or takes the focus along, presses nothing.
-                            on:focusin=handler(move |_| log.follow(false))
+                            on:focusin=handler(row_entered)
                         ></div>
                     </div>
                 </div>
@@ -121,16 +127,60 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             <p class="packet-none quiet" hidden=dynamic(move || nothing().is_empty())>
                 {dynamic(nothing)}
             </p>
-            <span class="packet-back" hidden=dynamic(move || back.get().0)>
-                <PressButton
-                    label=Signal::derive(back_reads)
-                    name=tr!("Jump to newest")
-                    class="button small"
-                    on_press=move || log.follow(true)
-                />
-            </span>
+            <BackToNewest log />
         </div>
     }
+}
+
+/// Button `Jump to newest`, while the list does not follow.
+#[component]
+fn BackToNewest(log: Log) -> impl IntoView {
+    let back = memo(move || log.state.with(|state| (state.following, state.new_rows)));
+    let back_reads = move || match back.get() {
+        (_, 0) => tr!("Jump to newest").to_owned(),
+        (_, new) => tr!("Jump to newest · {count} new", count = grouped(new)),
+    };
+    view! {
+        <span class="packet-back" hidden=dynamic(move || back.get().0)>
+            <PressButton
+                label=Signal::derive(back_reads)
+                name=tr!("Jump to newest")
+                class="button small"
+                on_press=move || log.follow(true)
+            />
+        </span>
+    }
+}
+
+/// What the focus does on a row, and when it leaves the list.
+fn on_focus(
+    log: Log,
+    passed_by_tab: StoredValue<bool>,
+) -> (impl Fn(FocusEvent) + Copy, impl Fn(FocusEvent) + Copy) {
+    let row_entered = move |event: FocusEvent| {
+        if is_reached_by_key(&event) && log.state.with_untracked(|state| state.following) {
+            passed_by_tab.set_value(true);
+        }
+        log.follow(false);
+    };
+    let list_left = move |event: FocusEvent| {
+        if !stays_in_list(&event) && passed_by_tab.try_update_value(std::mem::take) == Some(true) {
+            log.follow(true);
+        }
+    };
+    (row_entered, list_left)
+}
+
+fn is_reached_by_key(event: &FocusEvent) -> bool {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    target.is_some_and(|target| target.matches(":focus-visible") == Ok(true))
+}
+
+/// Whether the focus goes to another row, or to the button back to the newest: it is hidden when the list follows.
+fn stays_in_list(event: &FocusEvent) -> bool {
+    let next = event.related_target();
+    let next = next.and_then(|at| at.dyn_into::<Element>().ok());
+    next.is_none_or(|next| matches!(next.closest(".packet-list"), Ok(Some(_))))
 }
 
 /// The pressed row: its button has its number.
