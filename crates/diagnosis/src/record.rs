@@ -160,7 +160,7 @@ impl Record {
                 judged += entry.tally;
             }
         }
-        judged
+        judged.with_requests_of_before()
     }
 
     /// Another second is over.

@@ -50,6 +50,13 @@ impl Tally {
         }
     }
 
+    /// With the request that was sent just before and ended since: no more go unanswered than were sent.
+    pub(crate) fn with_requests_of_before(mut self) -> Self {
+        let ended = self.silent.saturating_add(self.garbled);
+        self.asked = self.asked.max(ended);
+        self
+    }
+
     /// Requests without a good reply. A late reply is not lost.
     pub(crate) const fn lost(&self) -> u32 {
         self.silent
@@ -101,4 +108,20 @@ pub const fn echoed(counters: &Counters) -> u64 {
 fn per_mille(part: u32, whole: u32) -> u32 {
     let share = u64::from(part) * 1_000 / u64::from(whole.max(1));
     u32::try_from(share).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_requests_go_unanswered_than_were_sent() {
+        let counts = Tally {
+            asked: 22,
+            silent: 23,
+            ..Tally::default()
+        };
+        assert_eq!(counts.with_requests_of_before().asked, 23);
+        assert_eq!(Tally::default().with_requests_of_before().asked, 0);
+    }
 }

@@ -9,7 +9,7 @@ use motorlink_messages::{
 
 use crate::{
     features::drive::actions::Drive,
-    model::{snapshot::Reading, terms::loop_name},
+    model::terms::loop_name,
     ui::{format, reactive::dynamic},
 };
 
@@ -17,18 +17,25 @@ use crate::{
 pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
     let page = drive.page;
     let reported = page.of_motor(|session, id| {
-        let reported = session.mode(id).filter(Reading::is_fresh);
-        reported.map(|reading| reading.value)
+        let reported = session.mode(id);
+        reported.map(|reading| (reading.value, reading.is_fresh()))
     });
     let start = page.of_motor(|session, id| session.motor(id).and_then(stage_of_start));
-    let active = move || reported.get() == Some(mode);
+    let active = move || reported.get() == Some((mode, true));
     let words = move || {
         if let Some(stage) = start.get() {
             return stage;
         }
         let words = reported.get().map_or_else(
             || tr!("Control mode unknown.").to_owned(),
-            |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
+            |(reported, is_fresh)| {
+                let mode = terms::mode(reported);
+                if is_fresh {
+                    tr!("The motor is in the {mode}.", mode)
+                } else {
+                    tr!("Last reported: {mode}.", mode)
+                }
+            },
         );
         if page.model.get().spec().needs_enable {
             format!("{words} {}", tr!("Start enables it."))
