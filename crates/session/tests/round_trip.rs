@@ -241,6 +241,7 @@ fn a_report_says_what_happened_and_needs_nothing_else() {
         "0:00:36.200",
         "<h2>Motor 7</h2>",
         "stall",
+        "sign of the motor itself",
         "Adapter &quot;lost&quot;",
         "1 (0.8 %)",
         "<path d=\"M0.0 147.5V148.5M15.3 144.8V145.8",

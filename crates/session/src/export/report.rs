@@ -31,6 +31,10 @@ pub struct About<'a> {
     pub problems: &'a Problems,
 }
 
+/// Which sign the figures have.
+const SIGN: &str = "Speeds and currents have the sign of the motor itself. A motor that is mounted mirrored reports a \
+    negative speed when its wheel turns forward.";
+
 /// The report.
 #[must_use]
 pub fn report(overview: &Overview, about: About<'_>) -> String {
@@ -50,6 +54,7 @@ pub fn report(overview: &Overview, about: About<'_>) -> String {
         .child(Element::new("h1").text(title))
         .children(problems)
         .child(summary(overview))
+        .child(Element::new("p").text(SIGN))
         .children(motors)
         .children(events(overview));
     let page = Element::new("html")
