@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::AddAssign;
 use std::time::Duration;
 
+use crc::{CRC_64_XZ, Crc, Digest};
 use motorlink_bus::{Bus, BusSettings, Command, Event, LeftDriven, Output};
 use motorlink_protocol::family::Model;
 use motorlink_protocol::{Instant, MotorId};
@@ -36,6 +37,9 @@ const MANY_SWITCHES: u8 = 5;
 /// The speed that a motor was seen to report for ever: `waveshareteam/ddsm_example#2`.
 const STUCK_RPM: f32 = -0.1;
 
+/// Of the frames that a bus sent.
+static SENT: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
 /// Coverage of the played scenarios.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
@@ -45,11 +49,15 @@ pub struct Coverage {
     pub judged: BTreeMap<Rule, u64>,
     /// How the runs of sequences ended.
     pub runs: Runs,
+    /// The frames that the bus sent, with their times: equal for two programs that do the same in each world, in
+    /// whatever order the worlds are played.
+    pub sent: u64,
 }
 
 impl AddAssign for Coverage {
     fn add_assign(&mut self, other: Self) {
         self.runs += other.runs;
+        self.sent = self.sent.wrapping_add(other.sent);
         for (fault, times) in other.faults {
             *self.faults.entry(fault).or_default() += times;
         }
@@ -93,6 +101,7 @@ pub fn play(scenario: &Scenario, coverage: &mut Coverage) -> Result<(), Failure>
     }
     let ended = player.end();
     coverage.runs += player.runs;
+    coverage.sent = coverage.sent.wrapping_add(player.sent.finalize());
     player.rules.judge(Rule::ComesToRest);
     for (rule, times) in &player.rules.judged {
         *coverage.judged.entry(*rule).or_default() += times;
@@ -150,6 +159,8 @@ struct Player {
     /// The last sequence that was run.
     sequence: Option<SequenceRun>,
     runs: Runs,
+    /// A check sum of the frames that the bus sent, and of their times.
+    sent: Digest<'static, u64>,
 }
 
 impl Player {
@@ -186,6 +197,7 @@ impl Player {
             passed: None,
             sequence: None,
             runs: Runs::default(),
+            sent: SENT.digest(),
         };
         player.rules.line(now, true);
         player.plug();

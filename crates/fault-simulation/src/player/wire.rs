@@ -67,6 +67,8 @@ impl Player {
             _ => false,
         };
         self.acted += u64::from(!asks);
+        self.sent.update(&self.now.as_micros().to_le_bytes());
+        self.sent.update(frame.bytes());
         self.world.transmit(self.now, frame.bytes());
         Ok(())
     }
