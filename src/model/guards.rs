@@ -1,7 +1,7 @@
 //! Whether a control can be used now, and the reason if it cannot.
 //!
 //! The bus decides and refuses. The guards repeat those of its rules that the page can check beforehand, so that
-//! a button shows the reason before it is pressed.
+//! a button shows the reason before it is pressed. docs/decisions/0031 says why they are not functions of the bus.
 
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
