@@ -224,6 +224,22 @@ fn runs_are_written_as_files_of_a_folder() {
     );
 }
 
+/// The runs are at the end of a file.
+#[test]
+fn a_file_whose_end_is_missing_does_not_seem_to_have_had_no_runs() {
+    let fixture = Fixture::new();
+    let whole = fs::read(fixture.path("run.mcap")).unwrap();
+    fs::write(fixture.path("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    let output = fixture.run(&["runs", "cut.mcap", "--out", "runs"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        error.contains("cut.mcap: The end of the file is missing"),
+        "{error}"
+    );
+    assert!(!error.contains("experiments in it"), "{error}");
+    assert_eq!(output.status.code(), Some(1));
+}
+
 #[test]
 fn what_is_no_session_is_refused_in_words() {
     let fixture = Fixture::new();

@@ -28,7 +28,7 @@ pub enum SessionAction {
         #[arg(long)]
         out: Option<PathBuf>,
     },
-    /// Write each run of an experiment as JSON, and as CSV of its setpoints and samples. Exit code 1 if one is unreadable
+    /// Write each run of an experiment as JSON, and as CSV of its setpoints and samples. Exit code 1 if one is unreadable, or a part of the file is missing
     Runs {
         /// The file
         file: PathBuf,

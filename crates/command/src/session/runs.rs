@@ -10,21 +10,35 @@ use crate::{
     output::{print, say},
     session::{
         file::{self, Opened},
-        info::one_line,
+        info::{exit_code, one_line},
     },
 };
 
-/// Writes each run as `run-NUMBER.json` and `run-NUMBER.csv`, and prints its name. Exit code 1 if one is unreadable.
+/// Writes each run as `run-NUMBER.json` and `run-NUMBER.csv`, and prints its name. Exit code 1 if one is unreadable, or a
+/// part of the file is missing.
 pub fn write(opened: &mut Opened, folder: &Path) -> Result<u8, Failure> {
     let failed = |error| file::Failure::Io(folder.display().to_string(), error);
     let source = opened.name.clone();
     let unread = |error| file::Failure::Io(source.clone(), error);
     let mut written = Vec::new();
-    let mut code = DONE;
+    let problems = opened.problems();
+    let mut code = exit_code(&problems);
+    if code != DONE {
+        say(format_args!(
+            "{}: {}",
+            opened.name,
+            problems.to_string().trim_end()
+        ));
+    }
     let runs: Vec<_> = opened.session.runs().collect();
     if runs.is_empty() {
+        let place = if code == DONE {
+            "it"
+        } else {
+            "the part that was read"
+        };
         say(format_args!(
-            "{}: no runs of experiments in it",
+            "{}: no runs of experiments in {place}",
             opened.name
         ));
         return Ok(code);
