@@ -322,7 +322,7 @@ async fn the_tabs_follow_the_arrow_keys_and_each_study_can_be_armed() {
 
 /// A repeat holds all steps of the first table: one press removes them all.
 #[wasm_bindgen_test]
-async fn a_removed_block_comes_back() {
+async fn each_change_of_the_steps_is_taken_back_by_undo() {
     let bench = panel("removed", Mode::Velocity).await;
     let count = || bench.find("grid", "Steps").get_attribute("aria-rowcount");
     let undo = || {
@@ -341,6 +341,17 @@ async fn a_removed_block_comes_back() {
         .await;
     undo().click();
     bench.until("the steps", || count() == before).await;
+    // Each press takes back one change.
+    bench.click("Add step");
+    bench.until("a step", || count() != before).await;
+    let one_more = count();
+    bench.click("Add step");
+    bench.until("another", || count() != one_more).await;
+    undo().click();
+    bench.until("one less", || count() == one_more).await;
+    undo().click();
+    bench.until("the steps", || count() == before).await;
+    assert!(undo().has_attribute("disabled"));
 }
 
 #[wasm_bindgen_test]

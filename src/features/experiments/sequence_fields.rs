@@ -142,8 +142,8 @@ fn file_buttons(of: Experiments) -> impl IntoView {
         })
     };
     let undo_blocked_by = move || {
-        let none = of.replaced.with(Vec::is_empty);
-        none.then(|| tr!("Nothing has been replaced or removed.").to_owned())
+        let none = of.before.with(Vec::is_empty);
+        none.then(|| tr!("Nothing has been changed.").to_owned())
     };
     view! {
         <div class="run-buttons">

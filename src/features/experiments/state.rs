@@ -159,8 +159,8 @@ pub(crate) struct State {
     pub(super) page: Page,
     pub(super) tab: RwSignal<ExperimentTab>,
     pub(super) draft: RwSignal<Draft>,
-    /// The tables before a template or a file replaced them, or a block was removed; the newest last.
-    pub(super) replaced: RwSignal<Vec<Draft>>,
+    /// The tables before the last changes; the newest last.
+    pub(super) before: RwSignal<Vec<Draft>>,
     /// Rises when the rows of the table must be drawn again.
     pub(super) redrawn: RwSignal<u32>,
     /// The studies, one of each kind except for the sequence.
@@ -209,7 +209,7 @@ impl Experiments {
                     page,
                     tab: RwSignal::new(ExperimentTab::Sequence),
                     draft: RwSignal::new(Draft::first()),
-                    replaced: RwSignal::new(Vec::new()),
+                    before: RwSignal::new(Vec::new()),
                     redrawn: RwSignal::new(0),
                     studies: RwSignal::new(studies.collect()),
                     characterise: RwSignal::new(StudyKind::Friction),

@@ -24,23 +24,28 @@ use crate::{
 const MARGIN: usize = 6;
 
 /// Tables that are kept for `Undo`.
-const UNDO_MAX: usize = 10;
+const UNDO_MAX: usize = 20;
 
 impl Experiments {
+    /// Changes the table. [`Self::undo`] brings the one before back.
     fn edit(self, change: impl FnOnce(&mut Draft)) {
+        self.keep_for_undo();
+        self.draw(change);
+    }
+
+    fn draw(self, change: impl FnOnce(&mut Draft)) {
         self.draft.update(change);
         self.redrawn.update(|drawn| *drawn = drawn.wrapping_add(1));
     }
 
-    /// Replaces the table. [`Self::undo`] brings the one before back.
+    /// Replaces the table.
     pub(super) fn load(self, sequence: &Sequence) {
-        self.keep_for_undo();
         self.edit(|draft| *draft = Draft::of(sequence));
     }
 
     fn keep_for_undo(self) {
         let before = self.draft.get_untracked();
-        self.replaced.update(|kept| {
+        self.before.update(|kept| {
             if kept.len() == UNDO_MAX {
                 kept.remove(0);
             }
@@ -48,10 +53,10 @@ impl Experiments {
         });
     }
 
-    /// Brings the table back that was replaced last, or the block that was removed last.
+    /// Brings back the table before the last change.
     pub(super) fn undo(self) {
-        if let Some(before) = self.replaced.try_update(Vec::pop).flatten() {
-            self.edit(|draft| *draft = before);
+        if let Some(before) = self.before.try_update(Vec::pop).flatten() {
+            self.draw(|draft| *draft = before);
         }
     }
 
@@ -66,9 +71,8 @@ impl Experiments {
         });
     }
 
-    /// Removes the selected block, which can be the whole table. [`Self::undo`] brings it back.
+    /// Removes the selected block, which can be the whole table.
     fn remove(self) {
-        self.keep_for_undo();
         self.edit(|draft| {
             let first = draft.selected;
             let end = table::block_end(&draft.rows, first);
@@ -298,6 +302,7 @@ fn change_cell(of: Experiments, event: &Event) {
         return;
     };
     let text = event_target_value(event);
+    of.keep_for_undo();
     of.draft.update(|draft| {
         if let Some(row) = draft.rows.get_mut(row) {
             row.set(column, &text);

@@ -12,8 +12,10 @@ const SIZE: (f64, f64) = (720.0, 340.0);
 const MARGIN: [f64; 4] = [64.0, 30.0, 16.0, 44.0];
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
-/// Columns of the legend. It stands above the plot, never over a curve.
+/// Columns of the legend, if its names are short. It stands above the plot, never over a curve.
 const LEGEND_COLUMNS: u32 = 2;
+/// Characters of a name that has room in a column.
+const COLUMN_CHARS: usize = 40;
 /// A line with more points is drawn by the least and greatest of each of this many columns.
 const COLUMNS: usize = 1_000;
 
@@ -70,9 +72,18 @@ impl Chart {
         self.lines.iter().filter(|line| !line.name.is_empty())
     }
 
+    fn legend_columns(&self) -> u32 {
+        let longest = self.entries().map(|line| line.name.chars().count()).max();
+        if longest.is_some_and(|longest| longest > COLUMN_CHARS) {
+            1
+        } else {
+            LEGEND_COLUMNS
+        }
+    }
+
     fn legend_height(&self) -> f64 {
         let count = u32::try_from(self.entries().count()).unwrap_or(u32::MAX);
-        ROW * f64::from(count.div_ceil(LEGEND_COLUMNS))
+        ROW * f64::from(count.div_ceil(self.legend_columns()))
     }
 
     fn height(&self) -> f64 {
@@ -124,10 +135,11 @@ impl Chart {
             .child(text(left, top - 14.0, "start", names(self.y.name)))
             .child(text(end, self.height() - 8.0, "end", names(self.x.name)));
         group = group.children(self.lines.iter().map(|line| self.path(line)));
-        let column = (end - left) / f64::from(LEGEND_COLUMNS);
+        let columns = self.legend_columns();
+        let column = (end - left) / f64::from(columns);
         for (place, line) in (0..).zip(self.entries()) {
-            let x = left + column * f64::from(place % LEGEND_COLUMNS);
-            let y = ROW * f64::from(1 + place / LEGEND_COLUMNS);
+            let x = left + column * f64::from(place % columns);
+            let y = ROW * f64::from(1 + place / columns);
             let entry = text(x, y, "start", line.name.clone());
             group = group.child(entry.with("class", format!("legend {}", colour(line))));
         }

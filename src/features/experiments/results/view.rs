@@ -35,12 +35,12 @@ pub(super) fn charts_of(kept: KeptRuns, shown: &[u32]) -> Vec<Chart> {
     compared_charts(&runs, &names::acceleration)
 }
 
-/// The figures of a run with the replies that it lost; `None` while its record is read.
+/// The figures of a run with the share of missing replies; `None` while its record is read.
 pub(super) fn figures_of(kept: KeptRuns, header: &RunHeader) -> Option<Figures> {
     let found = kept.findings(header.number)?;
     let mut figures = Figures::of(&found, &header.model);
     if let Some(rates) = rates(kept, header) {
-        figures.add_lost(&rates);
+        figures.add_missing(&rates);
     }
     Some(figures)
 }

@@ -22,7 +22,7 @@ use motorlink_messages::{
 use super::texts::{self, number};
 use crate::ui::format::UNKNOWN;
 
-/// More lost replies than this share are said beside the figures.
+/// More missing replies than this share are said beside the figures.
 const LOST_MAX: f64 = 0.01;
 
 /// A figure, with a value for each column.
@@ -123,19 +123,22 @@ impl Figures {
         });
     }
 
-    /// Replies that were lost, in each column: of its motor, or of the motor of the study.
-    pub(super) fn add_lost(&mut self, rates: &[SetpointRate]) {
+    /// The periods without a reply, in each column: of its motor, or of the motor of the study. First, because it says how far
+    /// the others hold.
+    pub(super) fn add_missing(&mut self, rates: &[SetpointRate]) {
         let width = self.rows.first().map_or(1, |row| row.values.len());
         let of_column = |place| rates.get(place).or_else(|| rates.first());
         let lost = (0..width).map(|place| {
             let lost = of_column(place)?.lost;
             Some(format!("{} %", number(100.0 * lost, 1)))
         });
-        self.row(tr!("Lost replies"), lost.collect());
+        self.row(tr!("Missing replies"), lost.collect());
+        self.rows.rotate_right(1);
         if rates.iter().any(|rate| rate.lost > LOST_MAX) {
             self.says(tr!(
-                "Replies were lost. The figures are those of the replies that came. Link health in Diagnose may know the cause."
+                "Replies are missing: lost on the line, or asked for too late. The figures follow from those that came. Link health in Diagnose tells which."
             ));
+            self.meaning.rotate_right(1);
         }
     }
 
@@ -208,21 +211,21 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_lost_replies_does_not_look_like_a_good_one() {
+    fn a_run_with_missing_replies_does_not_look_like_a_good_one() {
         let rate = |lost| SetpointRate {
             achieved_hz: 50.0,
             lost,
         };
         let mut good = Figures::default();
-        good.add_lost(&[rate(0.0)]);
+        good.add_missing(&[rate(0.0)]);
         assert_eq!(
             (good.rows[0].values[0].as_str(), good.meaning.len()),
             ("0.0 %", 0)
         );
         let mut figures = Figures::default();
         figures.row("of two motors", vec![None, None]);
-        figures.add_lost(&[rate(0.0), rate(0.125)]);
-        assert_eq!(figures.rows[1].values, ["0.0 %", "12.5 %"]);
+        figures.add_missing(&[rate(0.0), rate(0.125)]);
+        assert_eq!(figures.rows[0].values, ["0.0 %", "12.5 %"]);
         assert_eq!(figures.meaning.len(), 1);
     }
 
