@@ -94,8 +94,13 @@ impl Features {
             // It was asked of the operator that this page is no more, or not again.
             self.page.withdraw_question();
         }
-        for notice in &update.notices {
-            self.notice(update.now, notice);
+        let is_silence = |notice: &Notice| matches!(notice, Notice::MotorSilent { .. });
+        let last_silence = update.notices.iter().rposition(is_silence);
+        for (place, notice) in update.notices.iter().enumerate() {
+            // One sentence names all that are silent.
+            if !is_silence(notice) || last_silence == Some(place) {
+                self.notice(update.now, notice);
+            }
         }
         // A start in another loop begins when the stop has ended.
         for line in begun {
@@ -201,15 +206,18 @@ impl Features {
         }
     }
 
-    /// Opens the tab of the motor's loop, once after connecting.
+    /// Opens the tab of the motor's loop: once after connecting, and always in a recording.
     fn follow_loop(self) {
-        if !self.page.loops.tab_to_follow.get_value() {
+        let is_recording = self.page.latest.with_value(Session::is_recording);
+        if !is_recording && !self.page.loops.tab_to_follow.get_value() {
             return;
         }
         let id = self.page.selected.get_untracked();
         let mode: Option<Reading<Mode>> = self.page.latest.with_value(|session| session.mode(id));
         if let Some(mode) = mode.filter(Reading::is_fresh) {
-            self.page.follow(mode.value);
+            if self.page.loops.tab.get_untracked() != mode.value {
+                self.page.follow(mode.value);
+            }
             self.page.loops.tab_to_follow.set_value(false);
         }
     }

@@ -98,7 +98,12 @@ fn of_activity(
             setpoint: Setpoint::Brake,
         } => Some(calm(tr!("Motor {id}: brake on", id))),
         Activity::Driven { setpoint } => {
-            let goal = format::goal(mirror.setpoint(setpoint));
+            let shown = mirror.setpoint(setpoint);
+            let mut goal = format::goal(shown);
+            if shown != setpoint {
+                // The frames beside it have the other sign.
+                goal.push_str(tr!(" (mirrored)"));
+            }
             Some(calm(tr!("Motor {id} is running: {goal}", id, goal)))
         }
         Activity::Switching { to } if before != Some(after) => Some(calm(tr!(

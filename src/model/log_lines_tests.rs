@@ -71,7 +71,7 @@ fn a_setpoint_has_the_sign_that_the_operator_sees() {
     let begins = update(port, Activity::Driven { setpoint });
     let lines = of_beginnings(&before, &begins, &names);
     assert!(
-        lines.contains(&calm("Motor 0x01 is running: +100 rpm")),
+        lines.contains(&calm("Motor 0x01 is running: +100 rpm (mirrored)")),
         "{lines:?}"
     );
 }

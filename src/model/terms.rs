@@ -4,7 +4,7 @@ pub(crate) use motorlink_i18n::terms::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter,
-    bus::{ExceededLimit, GroupError, GroupSetpoints, Refusal},
+    bus::{Answer, ExceededLimit, GroupError, GroupSetpoints, Refusal},
     experiments::analysis::WhenSilent,
     protocol::{Mode, family::Model},
 };
@@ -23,6 +23,15 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
         Adapter::Serial(None) => tr!("Serial port").to_owned(),
         // Named by its manufacturer.
         named => named.to_string(),
+    }
+}
+
+/// What is wrong with the replies of a motor; `None` if they come.
+pub(crate) fn trouble_of_replies(answer: Answer) -> Option<&'static str> {
+    match answer {
+        Answer::Comes => None,
+        Answer::Missing => Some(tr!("No reply")),
+        Answer::Corrupted => Some(tr!("Bad replies")),
     }
 }
 

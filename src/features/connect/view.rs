@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{Adapter, Connection, VirtualLine, bus::MotorStatus, protocol::MotorId};
+use motorlink_messages::{Adapter, Connection, VirtualLine, protocol::MotorId};
 
 use crate::{
     features::connect::actions::Connect,
@@ -13,6 +13,7 @@ use crate::{
         page::{Page, use_page},
         place::Panel,
         snapshot::{Reading, Session},
+        terms,
     },
     ui::{
         button::PressButton,
@@ -31,7 +32,7 @@ pub(crate) fn ConnectionState() -> impl IntoView {
             page.shown.with(|session| {
                 let (state, detail) = connect_texts::of_connection(session.connection);
                 let state = match motor_trouble(session, id) {
-                    Some(MotorTrouble::Silent) => tr!("No reply"),
+                    Some(MotorTrouble::Silent(words)) => words,
                     Some(MotorTrouble::Fault) => tr!("Motor fault"),
                     None => return (state, detail),
                 };
@@ -66,14 +67,15 @@ pub(crate) fn ConnectionState() -> impl IntoView {
 /// Why the selected motor cannot be used, although the port is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MotorTrouble {
-    Silent,
+    /// In words.
+    Silent(&'static str),
     Fault,
 }
 
 impl MotorTrouble {
     const fn key(self) -> &'static str {
         match self {
-            Self::Silent => "Silent",
+            Self::Silent(_) => "Silent",
             Self::Fault => "Fault",
         }
     }
@@ -83,8 +85,9 @@ fn motor_trouble(session: &Session, id: MotorId) -> Option<MotorTrouble> {
     if session.is_recording() || !matches!(session.connection, Connection::Connected(_)) {
         return None;
     }
-    if session.motor(id).is_some_and(MotorStatus::is_silent) {
-        return Some(MotorTrouble::Silent);
+    let answer = session.motor(id).map(|motor| motor.answer);
+    if let Some(words) = answer.and_then(terms::trouble_of_replies) {
+        return Some(MotorTrouble::Silent(words));
     }
     let faults = session.faults(id).filter(Reading::is_fresh)?.value;
     faults.any_named().then_some(MotorTrouble::Fault)
@@ -201,7 +204,10 @@ mod tests {
         }
         assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Fault));
         faulty.motors[0].answer = Answer::Missing;
-        assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Silent));
+        assert_eq!(
+            motor_trouble(&faulty, ID),
+            Some(MotorTrouble::Silent("No reply"))
+        );
         faulty.connection = Connection::Disconnected;
         assert_eq!(motor_trouble(&faulty, ID), None);
     }

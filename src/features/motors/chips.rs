@@ -3,16 +3,14 @@
 use motorlink_i18n::tr;
 use std::fmt::Write;
 
-use motorlink_messages::{
-    bus::MotorStatus,
-    protocol::{Faults, MotorId},
-};
+use motorlink_messages::protocol::{Faults, MotorId};
 
 use crate::{
     model::{
         motor_list::edit_button,
         names_and_sides::{NamesAndSides, Side},
         snapshot::{Reading, Session},
+        terms,
     },
     ui::{
         escape::escaped,
@@ -105,9 +103,10 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     let is_bad = session
         .faults(id)
         .is_some_and(|faults| !faults.value.is_none());
-    if session.motor(id).is_some_and(MotorStatus::is_silent) {
+    let answer = session.motor(id).map(|motor| motor.answer);
+    if let Some(trouble) = answer.and_then(terms::trouble_of_replies) {
         faults = Figure {
-            text: tr!("No reply").to_owned(),
+            text: trouble.to_owned(),
             look: "silent",
         };
     } else if is_bad && faults.look == "fresh" {
@@ -142,6 +141,7 @@ fn brief(faults: Faults) -> String {
 
 #[cfg(test)]
 mod tests {
+
     use motorlink_messages::bus::Answer;
     use motorlink_messages::protocol::Mode;
 
