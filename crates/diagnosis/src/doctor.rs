@@ -209,6 +209,9 @@ pub fn diagnose(findings: &Findings) -> Verdict {
         Verdict::TooLittle
     } else if motors.iter().all(is_well) {
         Verdict::Healthy
+    } else if motors.iter().all(|motor| motor.recent.lost() == 0) {
+        // The header still counts replies that were lost before this record began.
+        Verdict::TooLittle
     } else {
         Verdict::SomeLoss
     }

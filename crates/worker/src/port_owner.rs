@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Bus, Event};
+use motorlink_bus::{Activity, Bus, Event, MotorStatus};
 use motorlink_messages::{ModelChoice, Notice, Outbox, ToPage, Update, VirtualLine};
 use motorlink_port::{BusEnd, PortControl, Turned};
 use motorlink_protocol::{Instant, MotorId, family::Model};
@@ -158,8 +158,15 @@ impl PortOwner {
                 stage,
                 asks_again,
                 driven_file,
+                next_wire,
                 ..
             } = &mut **open;
+            if let Some(wire) = *next_wire
+                && host.bus.motors(now).all(|motor| is_at_rest(&motor))
+            {
+                *next_wire = None;
+                host.line.set_wire(now, wire);
+            }
             let asks_again_at = asks_again.turn(now, &mut host.bus);
             // Virtual motors need no file.
             let left = match &host.line {
@@ -237,4 +244,9 @@ impl PortOwner {
         }
         update
     }
+}
+
+/// Whether nothing is asked of this motor, now or after a stop.
+fn is_at_rest(motor: &MotorStatus) -> bool {
+    motor.activity == Activity::Idle && motor.waiting.is_none()
 }

@@ -3,6 +3,7 @@
 use motorlink_bus::IdQueryOutcome;
 use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
 use motorlink_port::Host;
+use motorlink_simulator::LineCondition;
 use web_sys::ReadableStreamDefaultReader;
 
 use crate::{
@@ -59,6 +60,8 @@ pub(crate) struct OpenPort {
     /// Remembers what is driven.
     pub(crate) driven_file: DrivenFile,
     pub(crate) line_errors: LineErrors,
+    /// The fault of a virtual line that begins when its motors are stopped.
+    pub(crate) next_wire: Option<LineCondition>,
 }
 
 /// What to do after a port is closed: open another one, or nothing.
@@ -90,6 +93,7 @@ impl OpenPort {
             asks_again: AsksAgain::default(),
             driven_file,
             line_errors: LineErrors::default(),
+            next_wire: None,
         }
     }
 

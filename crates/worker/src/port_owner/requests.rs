@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
+use motorlink_bus::{Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{LineCondition, Notice};
 use motorlink_port::{NotDone, PortControl};
 use motorlink_protocol::MotorId;
 
-use super::PortOwner;
+use super::{PortOwner, is_at_rest};
 use crate::{
     port_state::{PortState, Stage},
     runs::host::Message,
@@ -104,16 +104,12 @@ impl PortOwner {
         if open.host.line.adapter().virtual_line().is_none() {
             return;
         }
-        if wire == LineCondition::SharedId {
-            // The second motor obeys the frames of the first, but the user started only the first. So the
-            // next frame on the line is the brake.
-            let left_alone =
-                |activity| matches!(activity, Activity::Idle | Activity::Stopping { .. });
-            let driven: Vec<_> = open
-                .host
-                .bus
-                .motors(now)
-                .filter(|motor| !left_alone(motor.activity))
+        let waits_for_stop = wire == LineCondition::SharedId;
+        if waits_for_stop {
+            // The second motor would obey the frames of the first, but the user started only the first.
+            let motors = open.host.bus.motors(now);
+            let driven: Vec<_> = motors
+                .filter(|motor| !is_at_rest(motor))
                 .map(|motor| Command::Stop(motor.id))
                 .collect();
             for command in driven.into_iter().chain([Command::StopRaw]) {
@@ -121,7 +117,10 @@ impl PortOwner {
                 let _: Result<(), Refusal> = open.host.bus.command(now, command);
             }
         }
-        open.host.line.set_wire(now, wire);
+        open.next_wire = waits_for_stop.then_some(wire);
+        if !waits_for_stop {
+            open.host.line.set_wire(now, wire);
+        }
         self.outbox.touch();
     }
 
