@@ -7,13 +7,17 @@
 use std::{cell::RefCell, rc::Rc};
 
 use leptos::prelude::*;
+use motorlink_messages::Connection;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, FocusOptions, HtmlElement, KeyboardEvent};
 
 use crate::{
     app::keyboard::{has_focus, last_target},
     model::page::Page,
-    ui::{listener::on_window, reactive::effect},
+    ui::{
+        listener::on_window,
+        reactive::{effect, memo},
+    },
 };
 
 /// What is opened and entered.
@@ -70,6 +74,20 @@ pub(crate) fn keep(page: Page) {
     effect(move || {
         page.shown.track();
         pass_on_if_dropped(&shown);
+    });
+    // The first screen gives way, perhaps scrolled down to what connects.
+    let is_open = memo(move || {
+        page.shown.with(|session| {
+            matches!(
+                session.connection,
+                Connection::Connected(_) | Connection::Reconnecting(_)
+            )
+        })
+    });
+    effect(move || {
+        if is_open.get() {
+            window().scroll_to_with_x_and_y(0.0, 0.0);
+        }
     });
     effect(move || {
         if page.panel().is_some() {
