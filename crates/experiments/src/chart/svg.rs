@@ -73,7 +73,9 @@ impl Chart {
     }
 
     fn legend_columns(&self) -> u32 {
-        let longest = self.entries().map(|line| line.name.chars().count()).max();
+        // A Chinese character is twice as wide.
+        let width = |name: &str| name.chars().map(|c| 1 + usize::from(c >= '\u{2E80}')).sum();
+        let longest: Option<usize> = self.entries().map(|line| width(&line.name)).max();
         if longest.is_some_and(|longest| longest > COLUMN_CHARS) {
             1
         } else {

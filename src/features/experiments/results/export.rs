@@ -115,8 +115,10 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
                 .collect();
             let charts = charts_of(kept, runs);
             let html = report(&texts, &sections, &charts, &texts::axis);
-            let first = runs.first().copied().unwrap_or_default();
-            save_text(&html, &file_name(kept, first, "report.html"));
+            save_text(
+                &html,
+                &format!("motorlink-report-{}.html", date(kept, runs)),
+            );
         }
         Format::Png => save_picture(&charts_of(kept, runs)),
     }
@@ -124,8 +126,15 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
 
 /// `motorlink-run-3-2026-11-29.csv`: the number and the date of the run.
 fn file_name(kept: KeptRuns, number: u32, end: &str) -> String {
-    let date = kept.header(number).map(|run| local_date(run.began_unix_ms));
-    format!("motorlink-run-{number}-{}.{end}", date.unwrap_or_default())
+    format!("motorlink-run-{number}-{}.{end}", date(kept, &[number]))
+}
+
+/// The date of the first of these runs.
+fn date(kept: KeptRuns, runs: &[u32]) -> String {
+    let first = runs.iter().find_map(|number| kept.header(*number));
+    first
+        .map(|run| local_date(run.began_unix_ms))
+        .unwrap_or_default()
 }
 
 fn section(kept: KeptRuns, number: u32) -> Option<ReportRun> {

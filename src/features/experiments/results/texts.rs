@@ -13,7 +13,7 @@ use crate::{
     features::experiments::{kept::KeptRuns, texts},
     ui::{
         clock::{local_date, local_time},
-        format,
+        format::{self, UNKNOWN},
     },
 };
 
@@ -92,11 +92,17 @@ pub(super) fn legend(run: &RunHeader) -> String {
 }
 
 /// What was asked of each motor and what the line carried; `None` if the record does not tell it.
-pub(super) fn setpoint_rate(run: &RunHeader, rates: &[SetpointRate]) -> Option<(String, String)> {
+pub(super) fn setpoint_rate(
+    run: &RunHeader,
+    rates: &[Option<SetpointRate>],
+) -> Option<(String, String)> {
     let asked = texts::number(run.request_hz);
-    let achieved = rates.iter().map(|rate| number(rate.achieved_hz, 1));
+    let of_motor = |rate: &Option<SetpointRate>| {
+        rate.map_or_else(|| UNKNOWN.to_owned(), |rate| number(rate.achieved_hz, 1))
+    };
+    let achieved = rates.iter().map(of_motor);
     let achieved = achieved.collect::<Vec<_>>().join(", ");
-    (!rates.is_empty()).then(|| {
+    rates.iter().any(Option::is_some).then(|| {
         (
             tr!("Setpoints a second").to_owned(),
             tr!("asked {asked}, achieved {achieved}", asked, achieved),

@@ -45,15 +45,16 @@ pub(super) fn figures_of(kept: KeptRuns, header: &RunHeader) -> Option<Figures> 
     Some(figures)
 }
 
-/// The rate of each motor, once the run has ended. A run that withholds frames has none.
-pub(super) fn rates(kept: KeptRuns, header: &RunHeader) -> Option<Vec<SetpointRate>> {
+/// The rate of each motor, once the run has ended; `None` for one that hardly answered. A run that withholds frames has
+/// none.
+pub(super) fn rates(kept: KeptRuns, header: &RunHeader) -> Option<Vec<Option<SetpointRate>>> {
     let is_withheld = header.study()?.kind() == StudyKind::Silence;
     if is_withheld || header.outcome == Outcome::Running {
         return None;
     }
     let ids = header.motors.iter().map(|(id, _)| *id);
     kept.with_record(header.number, |record| {
-        ids.filter_map(|id| setpoint_rate(record, id, header.request_hz))
+        ids.map(|id| setpoint_rate(record, id, header.request_hz))
             .collect()
     })
 }

@@ -125,18 +125,20 @@ impl Figures {
 
     /// The periods without a reply, in each column: of its motor, or of the motor of the study. First, because it says how far
     /// the others hold.
-    pub(super) fn add_missing(&mut self, rates: &[SetpointRate]) {
+    pub(super) fn add_missing(&mut self, rates: &[Option<SetpointRate>]) {
         let width = self.rows.first().map_or(1, |row| row.values.len());
-        let of_column = |place| rates.get(place).or_else(|| rates.first());
+        let has_column_each = rates.len() == width;
         let lost = (0..width).map(|place| {
-            let lost = of_column(place)?.lost;
+            let place = if has_column_each { place } else { 0 };
+            let lost = rates.get(place).copied().flatten()?.lost;
             Some(format!("{} %", number(100.0 * lost, 1)))
         });
         self.row(tr!("Missing replies"), lost.collect());
         self.rows.rotate_right(1);
-        if rates.iter().any(|rate| rate.lost > LOST_MAX) {
+        let is_notable = |rate: &Option<SetpointRate>| rate.is_none_or(|rate| rate.lost > LOST_MAX);
+        if rates.iter().any(is_notable) {
             self.says(tr!(
-                "Replies are missing: lost on the line, or asked for too late. The figures follow from those that came. Link health in Diagnose tells which."
+                "Replies are missing: lost on the line, or asked for too late. The figures follow from those that came."
             ));
             self.meaning.rotate_right(1);
         }
@@ -212,9 +214,9 @@ mod tests {
 
     #[test]
     fn a_run_with_missing_replies_does_not_look_like_a_good_one() {
-        let rate = |lost| SetpointRate {
-            achieved_hz: 50.0,
-            lost,
+        let rate = |lost| {
+            let achieved_hz = 50.0;
+            Some(SetpointRate { achieved_hz, lost })
         };
         let mut good = Figures::default();
         good.add_missing(&[rate(0.0)]);
@@ -227,6 +229,12 @@ mod tests {
         figures.add_missing(&[rate(0.0), rate(0.125)]);
         assert_eq!(figures.rows[0].values, ["0.0 %", "12.5 %"]);
         assert_eq!(figures.meaning.len(), 1);
+        // A motor that hardly answered does not get the figure of the next one.
+        let mut silent = Figures::default();
+        silent.row("of two motors", vec![None, None]);
+        silent.add_missing(&[None, rate(0.0)]);
+        assert_eq!(silent.rows[0].values, [UNKNOWN, "0.0 %"]);
+        assert_eq!(silent.meaning.len(), 1);
     }
 
     #[test]
