@@ -84,10 +84,13 @@ pub(crate) fn keep(page: Page) {
             )
         })
     });
+    let was_open = StoredValue::new(is_open.get_untracked());
     effect(move || {
-        if is_open.get() {
+        let opens = is_open.get();
+        if opens && !was_open.get_value() {
             window().scroll_to_with_x_and_y(0.0, 0.0);
         }
+        was_open.set_value(opens);
     });
     effect(move || {
         if page.panel().is_some() {
@@ -228,7 +231,7 @@ fn enter_place(key: &KeyboardEvent) {
 enum Scroll {
     /// What takes the focus comes into view.
     IntoView,
-    /// Nothing moves: the user has not asked for this focus.
+    /// Nothing moves.
     None,
 }
 

@@ -97,7 +97,7 @@ impl Features {
         let is_silence = |notice: &Notice| matches!(notice, Notice::MotorSilent { .. });
         let last_silence = update.notices.iter().rposition(is_silence);
         for (place, notice) in update.notices.iter().enumerate() {
-            // One sentence names all that are silent.
+            // One sentence names all motors that are silent.
             if !is_silence(notice) || last_silence == Some(place) {
                 self.notice(update.now, notice);
             }

@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, time::Duration};
 
-use motorlink_bus::{Activity, FRESH_FOR, Mirror, MotorStatus};
+use motorlink_bus::{Activity, Answer, FRESH_FOR, Mirror, MotorStatus};
 use motorlink_protocol::{Celsius, Current, Detail, Faults, Instant, family::Model};
 
 use crate::signed_id::SignedId;
@@ -108,7 +108,8 @@ const fn mode_name(mode: motorlink_protocol::Mode) -> &'static str {
 
 fn does(motor: &MotorStatus, mirror: Mirror) -> String {
     let text = match mirror.activity(motor.activity) {
-        _ if motor.is_silent() => "no reply",
+        _ if motor.answer == Answer::Missing => "no reply",
+        _ if motor.answer == Answer::Corrupted => "bad replies",
         Activity::Idle | Activity::Switching { .. } if motor.waiting.is_some() => "starting",
         Activity::Idle if motor.turns_unasked => "TURNS UNASKED",
         Activity::Idle => "idle",
