@@ -1,4 +1,5 @@
-//! Frames from a motor.
+//! Replies of motors with combined frames: DDSM115 and DDSM315. [`Reading`](crate::family::Reading) reads those of every
+//! model.
 
 use core::fmt;
 

@@ -1,4 +1,4 @@
-//! The text of an entry.
+//! The words of an entry, as a row of the packet log and its CSV show them.
 
 use std::fmt::Write;
 

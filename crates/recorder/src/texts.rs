@@ -1,4 +1,4 @@
-//! The texts of messages, stored separately because all entries have the same size.
+//! Stores the texts of messages apart, because all entries have the same size. `meaning` says what a row reads.
 
 use crate::charset::Charset;
 

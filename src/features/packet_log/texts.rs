@@ -1,4 +1,4 @@
-//! The texts of the packet log.
+//! The texts around the rows of the packet log. `crates/recorder/src/meaning.rs` has those of the rows.
 
 use motorlink_i18n::tr;
 

@@ -1,4 +1,4 @@
-//! What there is to know of a model.
+//! What there is to know of a model. Its values for each model are in `mod.rs`.
 
 use crate::{fault::Fault, mode::Mode};
 

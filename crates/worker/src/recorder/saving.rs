@@ -1,4 +1,5 @@
 //! The session in the browser's files: begins it, finds an earlier one, handles the page's requests.
+//! `motorlink_recorder::saved` decides what is written, and when.
 
 use std::rc::Rc;
 

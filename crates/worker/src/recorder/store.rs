@@ -1,4 +1,4 @@
-//! The files of this session, and the jobs on them, one after the other.
+//! The files of this session, and the jobs on them, one after the other. `motorlink_recorder::saved` decides which.
 
 use std::collections::VecDeque;
 
