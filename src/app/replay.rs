@@ -50,6 +50,7 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
             Show::Past(samples) => {
                 let history = features.page.history;
                 history.update_value(|history| history.recall(0, samples));
+                rover.begin_path_with_history();
             }
             Show::PastActivities(changes) => {
                 let history = features.page.history;
@@ -129,7 +130,7 @@ impl Features {
         let page = self.page;
         let is_first = page.latest.with_value(|session| session.motors.is_empty());
         if is_first {
-            rover.reset_path();
+            rover.begin_path_with_history();
             self.show_a_recorded_motor(update);
         }
         self.update(update);

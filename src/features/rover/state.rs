@@ -86,10 +86,19 @@ impl Rover {
 
     /// Begins the path where the vehicle is now.
     pub(crate) fn reset_path(self) {
+        self.begin_path(self.now());
+    }
+
+    /// Begins the path with the oldest replies of the history: the way to a place of a recording.
+    pub(crate) fn begin_path_with_history(self) {
+        self.begin_path(Instant::ZERO);
+    }
+
+    fn begin_path(self, from: Instant) {
         if let Some(vehicle) = self.vehicle() {
-            let (geometry, now) = (self.geometry.get_untracked(), self.now());
+            let geometry = self.geometry.get_untracked();
             self.trip
-                .update_value(|trip| trip.begin(&vehicle, geometry, now));
+                .update_value(|trip| trip.begin(&vehicle, geometry, from));
         }
     }
 
