@@ -339,7 +339,7 @@ class OnASerialPort(unittest.TestCase):
     def test_every_end_of_a_program_stops_the_wheel(self):
         program = (
             "import motorlink, os, sys\n"
-            "bus = motorlink.open(sys.argv[1], keepalive=False)\n"
+            "bus = motorlink.open(sys.argv[1], keepalive=False, timeout=30)\n"
             "bus.motor(1).drive(rpm=100)\n"
             "bus.sleep(0.7)\n"
             "print('drives', flush=True)\n"
@@ -430,7 +430,7 @@ class OnASerialPort(unittest.TestCase):
             self.assertLess(abs(motors.rpm()), 5)
 
     def test_a_killed_program_is_stopped_by_the_next_one(self):
-        program = "import motorlink, sys\nbus = motorlink.open(sys.argv[1])\nbus.motor(1).drive(rpm=100)\nbus.sleep(60)\n"
+        program = "import motorlink, sys\nbus = motorlink.open(sys.argv[1], timeout=30)\nbus.motor(1).drive(rpm=100)\nbus.sleep(60)\n"
         with Motors() as motors:
             child = subprocess.Popen([sys.executable, "-c", program, motors.port])
             motors.until(lambda rpm: rpm > 90, "it drives")
