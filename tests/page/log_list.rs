@@ -77,7 +77,7 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
     assert!((scroller.scroll_top() - f64::from(4_993 * 24)).abs() < 1.5);
 }
 
-/// Tab passes the buttons of the rows on the way to the next control.
+/// Tab goes through the buttons of the rows to the next control.
 #[wasm_bindgen_test]
 async fn auto_scroll_goes_on_when_the_focus_has_passed_by() {
     let (recorder, bench, _style) = page("auto-scroll-focus", 50).await;

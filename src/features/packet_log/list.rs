@@ -89,7 +89,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
     view! {
         <div
             class="packet-list"
-            // Whoever only passes by on the way to another control has not left the newest rows.
+            // Tab goes through the list to the next control. The list then follows the newest rows as before.
             on:focusout=handler(list_left)
         >
             <div

@@ -89,7 +89,7 @@ impl Rover {
         self.begin_path(self.now());
     }
 
-    /// Begins the path with the oldest replies of the history: the way to a place of a recording.
+    /// Begins the path with the oldest replies of the history: those before a place of a recording.
     pub(crate) fn begin_path_with_history(self) {
         self.begin_path(Instant::ZERO);
     }
