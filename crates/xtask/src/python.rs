@@ -71,7 +71,7 @@ pub fn test_package(workspace: &Workspace) -> Result<()> {
     // An earlier wheel is not installed instead.
     let _ = fs::remove_dir_all(&folder);
     // It delays no test that runs beside it.
-    let mut build = process::without_our_package(suite::low_priority(&python, 19));
+    let mut build = process::without_our_package(suite::low_priority(&python, 10));
     build
         .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
         .arg("--target-dir")
@@ -185,4 +185,31 @@ fn ensure(Environment { name, packages }: &Environment) -> Result<PathBuf> {
     process::run(pip.args(*packages))?;
     fs::write(&complete, packages.join("\n")).with_context(|| format!("{}", complete.display()))?;
     Ok(dir.join(program))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Otherwise cargo compiles the bus, the driver and the command once more for the wheel: minutes of each test run.
+    #[test]
+    fn the_wheel_has_the_features_of_the_workspace() {
+        let workspace = Workspace::find().unwrap();
+        let compiled = |of: &[&str], edges: &str| -> BTreeSet<String> {
+            let form = ["--prefix", "none", "--format", "{p} {f}"];
+            let args = [&["tree", "--edges", edges], &form[..], of].concat();
+            let listed = process::output(&mut cargo::command(&workspace, &args)).unwrap();
+            let names = listed
+                .lines()
+                .map(|line| line.trim_end_matches(" (*)").trim());
+            names.map(str::to_owned).collect()
+        };
+        let all = ["--workspace", "--exclude", "motorlink-worker"];
+        let all = compiled(&all, "normal,build,dev");
+        let wheel = compiled(&["--package", "motorlink-python"], "normal,build");
+        let other: Vec<&String> = wheel.difference(&all).collect();
+        assert!(other.is_empty(), "compiled once more: {other:?}");
+    }
 }

@@ -16,9 +16,12 @@ use crate::npm;
 use crate::process;
 use crate::workspace::Workspace;
 
+/// Their program.
+pub const PROGRAM: &str = "scenarios";
+
 /// The module of scenarios that run at the same time, and that of scenarios that check times.
-pub const SIDE_BY_SIDE: &str = "side_by_side::";
-pub const ALONE: &str = "alone::";
+const SIDE_BY_SIDE: &str = "side_by_side::";
+const ALONE: &str = "alone::";
 
 /// More retries in one run mean that the machine or the page is too slow.
 const RETRIES_MAX: usize = 20;
@@ -73,7 +76,7 @@ fn run(workspace: &Workspace, selected: &[&str], at_once: usize) -> Result<()> {
 /// Notes which file is the program of the scenarios. The steps that run them need no cargo then, which waits where it builds
 /// something else.
 pub fn note_program(workspace: &Workspace) -> Result<()> {
-    let args = ["--no-run", "--test", "scenarios", "--message-format=json"];
+    let args = ["--no-run", "--test", PROGRAM, "--message-format=json"];
     let messages = process::output(&mut cargo::native(workspace, "test", &args))?;
     let program = messages.lines().find_map(program_in);
     let program = program.context("cargo has built no program of the scenarios")?;
@@ -93,14 +96,14 @@ fn note(workspace: &Workspace) -> PathBuf {
 /// The path of the program in a message of cargo.
 fn program_in(message: &str) -> Option<String> {
     let message: Value = serde_json::from_str(message).ok()?;
-    let is_program = message.pointer("/target/name")? == "scenarios";
+    let is_program = message.pointer("/target/name")? == PROGRAM;
     let program = message.pointer("/executable")?.as_str();
     Some(program.filter(|_| is_program)?.to_owned())
 }
 
 /// The cargo command of all scenarios; arguments that select some of them follow `--`.
 pub fn command(workspace: &Workspace, browser: &Browser, speed: Speed) -> Command {
-    let mut command = cargo::native(workspace, "test", &["--test", "scenarios"]);
+    let mut command = cargo::native(workspace, "test", &["--test", PROGRAM]);
     bench::set_paths(&mut command, workspace, browser, speed);
     command
 }

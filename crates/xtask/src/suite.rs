@@ -1,10 +1,10 @@
 //! A suite of steps, which run one after the other and stop at the first that fails.
 
 use std::env;
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs;
 use std::iter;
-use std::path::Path;
 use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -218,13 +218,29 @@ pub fn idle_program() -> Result<Command> {
 }
 
 /// A program of this niceness: a higher one gets less processor time while others want it.
-pub fn low_priority(program: &Path, nice: u8) -> Command {
+pub fn low_priority(program: impl AsRef<OsStr>, nice: u8) -> Command {
     if cfg!(windows) {
         return Command::new(program);
     }
     let mut command = Command::new("nice");
     command.arg("-n").arg(nice.to_string()).arg(program);
     command
+}
+
+/// The same command at the niceness of what computes beside motors.
+pub fn patient(command: &Command) -> Command {
+    let mut patient = low_priority(command.get_program(), 10);
+    patient.args(command.get_args());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => patient.env(name, value),
+            None => patient.env_remove(name),
+        };
+    }
+    if let Some(dir) = command.get_current_dir() {
+        patient.current_dir(dir);
+    }
+    patient
 }
 
 #[cfg(test)]

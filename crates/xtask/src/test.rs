@@ -1,5 +1,7 @@
 //! `cargo xtask test`: the tests, from the native ones to the page in a real browser.
 
+use std::process::Command;
+
 use anyhow::Result;
 
 use crate::bench;
@@ -48,19 +50,17 @@ pub static SUITE: Suite = Suite {
         },
         Step {
             name: "native",
-            about: "tests of the native code and of the page's pure parts",
+            about: "tests of the native code, of the page's pure parts, and of the examples in the documentation",
             needs: &[],
             beside: Some("wasm"),
-            // What it computes does not delay the page; what drives motors gets its turn in time.
-            nice: 5,
+            // What it computes delays neither the page nor what drives motors.
+            nice: 10,
             on_request: false,
             run: |workspace| {
-                let mut test = cargo::native(workspace, "test", &["--quiet"]);
-                // The scenarios have a step of their own.
-                let skipped = [scenarios::SIDE_BY_SIDE, scenarios::ALONE];
-                test.arg("--");
-                test.args(skipped.iter().flat_map(|module| ["--skip", *module]));
-                process::run(&mut test)
+                process::run(&mut native_tests(workspace, &["--lib", "--bins"], |name| {
+                    name != scenarios::PROGRAM && !IN_REAL_TIME.contains(&name)
+                }))?;
+                process::run(&mut cargo::native(workspace, "test", &["--quiet", "--doc"]))
             },
         },
         Step {
@@ -103,11 +103,25 @@ pub static SUITE: Suite = Suite {
             name: "python-package",
             about: "the Python package: its wheel, its tests on virtual motors, and its examples",
             needs: &[],
-            // Both wait for virtual motors more than they compute.
+            // It waits for virtual motors more than it computes.
             beside: Some("native"),
             nice: 0,
             on_request: false,
             run: python::test_package,
+        },
+        Step {
+            name: "native-in-real-time",
+            about: "tests of the command and of its server, which wait for motors more than they compute",
+            needs: &[],
+            // Behind the Python package: two at once delay each other's motors.
+            beside: Some("native"),
+            nice: 0,
+            on_request: false,
+            run: |workspace| {
+                process::run(&mut native_tests(workspace, &[], |name| {
+                    IN_REAL_TIME.contains(&name)
+                }))
+            },
         },
         Step {
             name: "csv-in-libreoffice",
@@ -151,6 +165,20 @@ pub static SUITE: Suite = Suite {
     ],
 };
 
+/// Programs of tests in which motors turn in real time.
+const IN_REAL_TIME: [&str; 4] = ["attempts", "command", "control_socket", "foxglove"];
+
+/// The tests of these programs, and of `more`.
+fn native_tests(workspace: &Workspace, more: &[&str], is_meant: fn(&str) -> bool) -> Command {
+    let mut test = cargo::native(workspace, "test", &["--quiet"]);
+    test.args(more);
+    let names = workspace.test_programs().iter();
+    for name in names.filter(|name| is_meant(name)) {
+        test.args(["--test", name]);
+    }
+    test
+}
+
 /// Linking the site keeps one core busy for minutes: the tests compile beside it.
 fn build(workspace: &Workspace) -> Result<()> {
     let mut tests = cargo::native(workspace, "test", &["--no-run"]);
@@ -177,7 +205,17 @@ mod tests {
     use std::fs;
     use std::path::{Path, PathBuf};
 
-    use crate::workspace::Workspace;
+    use super::*;
+
+    #[test]
+    fn a_program_that_runs_beside_others_exists() {
+        let workspace = Workspace::find().unwrap();
+        let programs = workspace.test_programs();
+        for name in IN_REAL_TIME.into_iter().chain([scenarios::PROGRAM]) {
+            let found = programs.iter().filter(|program| *program == name);
+            assert_eq!(found.count(), 1, "{name}");
+        }
+    }
 
     /// Cargo would leave them out without a word.
     #[test]

@@ -7,11 +7,12 @@ use serde_json::Value;
 
 use crate::process;
 
-/// The top directory and cargo's output directory.
+/// The top directory, cargo's output directory, and the programs of tests.
 #[derive(Debug)]
 pub struct Workspace {
     root: PathBuf,
     target: PathBuf,
+    test_programs: Vec<String>,
 }
 
 impl Workspace {
@@ -33,7 +34,13 @@ impl Workspace {
         Ok(Self {
             root: directory("workspace_root")?,
             target: directory("target_directory")?,
+            test_programs: test_programs(&metadata),
         })
+    }
+
+    /// The native programs of tests, in the folders `tests` of the packages.
+    pub fn test_programs(&self) -> &[String] {
+        &self.test_programs
     }
 
     /// The top of the repository.
@@ -52,6 +59,23 @@ impl Workspace {
     }
 }
 
+fn test_programs(metadata: &Value) -> Vec<String> {
+    let list = |of: &Value, key| of.get(key).and_then(Value::as_array).cloned();
+    let packages = list(metadata, "packages").unwrap_or_default();
+    let targets = packages
+        .iter()
+        .flat_map(|package| list(package, "targets").unwrap_or_default());
+    let is_native_test = |target: &Value| {
+        let is_test = list(target, "kind").is_some_and(|kinds| kinds.iter().any(|it| it == "test"));
+        // The tests of the page in a browser need a feature.
+        is_test && target.get("required-features").is_none()
+    };
+    let names = targets
+        .filter(is_native_test)
+        .filter_map(|target| Some(target.get("name")?.as_str()?.to_owned()));
+    names.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +88,14 @@ mod tests {
         assert_eq!(workspace.target(), Path::new("/b"));
         assert_eq!(workspace.dist(), Path::new("/a/dist"));
         assert!(Workspace::from_metadata("{}").is_err());
+    }
+
+    #[test]
+    fn programs_of_tests_are_those_that_need_no_browser() {
+        let json = r#"{"workspace_root": "/a", "target_directory": "/b", "packages": [{"targets": [
+            {"name": "lib", "kind": ["lib"]}, {"name": "bus", "kind": ["test"]},
+            {"name": "page", "kind": ["test"], "required-features": ["page-tests"]}]}]}"#;
+        let workspace = Workspace::from_metadata(json).unwrap();
+        assert_eq!(workspace.test_programs(), ["bus"]);
     }
 }
