@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{Consent, IdQueryOutcome, StopReason};
-use motorlink_messages::{Connection, LineError, UsbId};
+use motorlink_messages::{Connection, LineError, UsbId, VirtualMotors};
 use motorlink_protocol::{Setpoint, SpeedTarget};
 use motorlink_simulator::LineCondition;
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -32,6 +32,54 @@ async fn driving(bench: &Bench, port: &MockPort) {
         consent: Consent::None,
     });
     bench.until("+100 rpm", |_| port.speed(1) > 90.0).await;
+}
+
+/// The speed of a motor on the virtual line, and the fault that waits until it is at rest.
+fn virtual_motor(bench: &Bench) -> (f32, Option<LineCondition>) {
+    let owner = bench.owner.borrow();
+    let PortState::Open(open) = &owner.port else {
+        return (0.0, None);
+    };
+    let Line::Virtual(_, world) = &open.host.line else {
+        panic!("a serial line");
+    };
+    let motor = world.motor(ONE).unwrap();
+    (motor.speed_rpm(), open.next_wire)
+}
+
+/// Both motors obey the frames of the one that the user started.
+#[wasm_bindgen_test]
+async fn a_shared_id_begins_at_standstill() {
+    let bench = Bench::new();
+    bench.send(ToWorker::ConnectVirtual(VirtualLine {
+        motors: VirtualMotors::One,
+        model: Model::Ddsm115,
+    }));
+    bench.until_connected().await;
+    bench.pause(Duration::from_millis(500)).await;
+    bench.command(Command::Drive {
+        id: ONE,
+        setpoint: Setpoint::velocity(SpeedTarget::new(100).unwrap()),
+        consent: Consent::None,
+    });
+    bench
+        .until("+100 rpm", |bench| virtual_motor(bench).0 > 90.0)
+        .await;
+    bench.send(ToWorker::VirtualWire(LineCondition::SharedId));
+    assert_eq!(virtual_motor(&bench).1, Some(LineCondition::SharedId));
+    bench
+        .until("the fault", |bench| virtual_motor(bench).1.is_none())
+        .await;
+    assert!(virtual_motor(&bench).0.abs() < 1.0);
+    let is_confirmed = |notice: &Notice| match notice {
+        Notice::StopEnded(report) => report.motors.iter().all(|motor| motor.confirmed),
+        _ => false,
+    };
+    bench
+        .until("its report", |bench| {
+            bench.notices().iter().any(is_confirmed)
+        })
+        .await;
 }
 
 /// Whether this frame brakes motor 1, or switches it to the velocity loop in which it brakes.
