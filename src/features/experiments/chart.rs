@@ -1,9 +1,10 @@
-//! The curves of a plan and of a run, as SVG.
+//! The charts of a plan and of its run.
 
-use std::fmt::Write;
-
+use leptos::{html::Div, prelude::*};
+use motorlink_i18n::tr;
 use motorlink_messages::{
     experiments::{
+        chart::{AxisName, Chart, Line, Look, RUNS_MAX},
         plan::{POINTS_MAX, Plan},
         runner::{Mark, Sample},
         sequence::Quantity,
@@ -11,15 +12,18 @@ use motorlink_messages::{
     protocol::{Instant, MotorId},
 };
 
-use crate::features::experiments::texts;
+use crate::{
+    features::experiments::texts,
+    ui::{
+        reactive::{dynamic, effect},
+        size_watch::SizeWatch,
+    },
+};
 
 /// Columns of a live curve: a part of the plan's longest time each.
 const COLUMNS: usize = 600;
-/// The width and the height of the drawing in its own units.
-const WIDTH: f64 = 1000.0;
-const HEIGHT: f64 = 400.0;
-/// Motors that have a colour of their own; the next ones begin again.
-const COLOURS: usize = 4;
+/// The last colour of a chart. The others are for the motors, again from the first if there are more.
+const SETPOINT_COLOUR: usize = RUNS_MAX - 1;
 
 /// Least and greatest value of each column.
 type Columns = Vec<Option<(f64, f64)>>;
@@ -90,100 +94,98 @@ impl Live {
         }
     }
 
-    /// Least and greatest value of all motors with this quantity.
-    fn range(&self, quantity: Quantity) -> Option<(f64, f64)> {
-        let of = self.motors.iter().filter(|(_, own, _)| *own == quantity);
-        let values = of.flat_map(|(_, _, columns)| columns.iter().flatten());
-        values
-            .copied()
-            .reduce(|(least, greatest), (low, high)| (least.min(low), greatest.max(high)))
+    /// A line for each motor with this quantity.
+    fn lines(&self, quantity: Quantity) -> Vec<Line> {
+        let motors = self.motors.iter().enumerate();
+        let own = motors.filter(|(_, (_, own, _))| *own == quantity);
+        own.map(|(place, (id, _, columns))| Line {
+            colour: place % SETPOINT_COLOUR,
+            look: Look::Plain,
+            name: id.to_string(),
+            points: self.points(columns),
+        })
+        .collect()
     }
-}
 
-/// The chart of a plan: a drawing for each quantity in it, with the measured curves of its run.
-pub(super) fn html(plan: &Plan, live: Option<&Live>) -> String {
-    let mut html = String::new();
-    for quantity in Quantity::ALL {
-        if plan.motors().iter().any(|motor| motor.quantity == quantity) {
-            draw(&mut html, plan, live, quantity);
-        }
-    }
-    html
-}
-
-fn draw(html: &mut String, plan: &Plan, live: Option<&Live>, quantity: Quantity) {
-    let curves = plan.curves_of_run(live.map_or(&[], |live| &live.begun));
-    let curves = || {
-        curves
-            .iter()
-            .filter(|curve| curve.motor.quantity == quantity)
-    };
-    let end_s = curves()
-        .filter_map(|curve| curve.points.last())
-        .fold(0.001_f64, |end, point| end.max(point.t_s));
-    let mut range = curves().fold((0.0_f64, 0.0_f64), |(least, greatest), curve| {
-        let motor = curve.motor;
-        (least.min(motor.least), greatest.max(motor.greatest))
-    });
-    if let Some((least, greatest)) = live.and_then(|live| live.range(quantity)) {
-        range = (range.0.min(least), range.1.max(greatest));
-    }
-    let (least, greatest) = range;
-    let margin = (greatest - least).max(1e-3) * 0.05;
-    let (low, high) = (least - margin, greatest + margin);
-    let y = |value: f64| HEIGHT * (high - value) / (high - low);
-    let x = |t_s: f64| WIDTH * t_s / end_s;
-    let unit = texts::unit(quantity);
-    let zero = y(0.0);
-    let _ = write!(
-        html,
-        "<div class=\"plan-chart\"><span class=\"plan-high\">{} {unit}</span>\
-         <span class=\"plan-low\">{} {unit}</span>\
-         <svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" preserveAspectRatio=\"none\" aria-hidden=\"true\">\
-         <path class=\"plan-zero\" d=\"M0 {zero:.1}H{WIDTH}\"/>",
-        texts::signed(greatest),
-        texts::signed(least),
-    );
-    for curve in curves() {
-        let mut path = String::new();
-        for point in &curve.points {
-            let command = if path.is_empty() { 'M' } else { 'L' };
-            let _ = write!(path, "{command}{:.1} {:.1}", x(point.t_s), y(point.value));
-        }
-        let _ = write!(html, "<path class=\"plan-asked\" d=\"{path}\"/>");
-    }
-    let motors = live.map(|live| live.motors.as_slice()).unwrap_or_default();
-    let longest_s = live.map_or(end_s, |live| live.longest_s);
-    for (place, (_, own, columns)) in motors.iter().enumerate() {
-        if *own != quantity {
-            continue;
-        }
-        let mut path = String::new();
-        for (column, cell) in columns.iter().enumerate() {
-            let Some((low, high)) = cell else { continue };
+    fn points(&self, columns: &Columns) -> Vec<(f64, f64)> {
+        let columns = columns.iter().enumerate();
+        let points = columns.filter_map(|(column, cell)| {
+            let (low, high) = (*cell)?;
             #[allow(clippy::cast_precision_loss, reason = "there are few columns")]
-            let t_s = (column as f64 + 0.5) / COLUMNS as f64 * longest_s;
-            let command = if path.is_empty() { 'M' } else { 'L' };
-            let _ = write!(path, "{command}{:.1} {:.1}", x(t_s), y(*low));
-            if low < high {
-                let _ = write!(path, "V{:.1}", y(*high));
-            }
-        }
-        let _ = write!(
-            html,
-            "<path class=\"plan-measured m{}\" d=\"{path}\"/>",
-            place % COLOURS
-        );
+            let t_s = (column as f64 + 0.5) / COLUMNS as f64 * self.longest_s;
+            Some([(t_s, low), (t_s, high)])
+        });
+        points.flatten().collect()
     }
-    let _ = write!(
-        html,
-        "</svg><span class=\"plan-begin\">{}</span><span class=\"plan-end\">{}</span></div>",
-        texts::duration(0.0),
-        texts::duration(end_s)
-    );
+}
+
+/// Charts, one below the other, in the width of their container: so their texts have the size of other texts.
+#[component]
+pub(super) fn Charts(charts: Box<dyn Fn() -> Vec<Chart>>, label: Signal<String>) -> impl IntoView {
+    let place = NodeRef::<Div>::new();
+    let width = RwSignal::new(720);
+    let watch = StoredValue::new_local(None::<SizeWatch>);
+    let drawn = RwSignal::new(Vec::new());
+    effect(move || drawn.set(charts()));
+    effect(move || {
+        let Some(place) = place.get() else { return };
+        let mut html = String::new();
+        drawn.with(|charts: &Vec<Chart>| {
+            place.set_hidden(charts.is_empty());
+            for chart in charts {
+                // A builder that escapes every text.
+                chart.svg(&texts::axis, width.get().into()).write(&mut html);
+            }
+        });
+        place.set_inner_html(&html);
+    });
+    effect(move || {
+        let Some(place) = place.get() else { return };
+        watch.set_value(SizeWatch::of(&place.clone(), move || {
+            let now = place.client_width();
+            // Where it is not shown it has none.
+            if now > 0 && now != width.get_untracked() {
+                // Drawn at once, it would change the size that is being reported.
+                request_animation_frame(move || width.set(now));
+            }
+        }));
+    });
+    view! { <div class="run-chart" role="img" aria-label=dynamic(move || label.get()) node_ref=place></div> }
+}
+
+/// The charts of a plan: one for each quantity in it, with the measured curves of its run.
+pub(super) fn charts(plan: &Plan, live: Option<&Live>) -> Vec<Chart> {
+    let quantities = Quantity::ALL.into_iter();
+    let charts = quantities.filter_map(|quantity| of_quantity(plan, live, quantity));
+    charts.collect()
+}
+
+fn of_quantity(plan: &Plan, live: Option<&Live>, quantity: Quantity) -> Option<Chart> {
+    let begun = live.map_or(&[][..], |live| &live.begun);
+    let curves = plan.curves_of_run(begun).into_iter();
+    let planned = curves.filter(|curve| curve.motor.quantity == quantity);
+    let planned = planned.enumerate().map(|(place, curve)| Line {
+        colour: SETPOINT_COLOUR,
+        look: Look::Dashed,
+        // Once in the legend for all motors.
+        name: if place == 0 {
+            tr!("Setpoint").to_owned()
+        } else {
+            String::new()
+        },
+        points: curve.points.iter().map(|it| (it.t_s, it.value)).collect(),
+    });
+    let measured = live.map(|live| live.lines(quantity)).unwrap_or_default();
+    let axis = match quantity {
+        Quantity::Rpm => AxisName::Speed,
+        Quantity::Amps => AxisName::Current,
+        Quantity::Degrees => AxisName::Position,
+    };
+    Chart::of(AxisName::Time, axis, planned.chain(measured).collect())
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values that are drawn as they are")]
 mod tests {
     use motorlink_messages::{
         experiments::{
@@ -200,16 +202,22 @@ mod tests {
         Plan::new(&Template::WarmUp.sequence(), &fleet).unwrap()
     }
 
+    fn only(mut charts: Vec<Chart>) -> Chart {
+        assert_eq!(charts.len(), 1);
+        charts.remove(0)
+    }
+
     #[test]
     fn a_plan_is_drawn_with_its_range_and_its_time() {
-        let html = html(&plan(), None);
-        assert!(
-            html.contains("+90 rpm") && html.contains("\u{2212}90 rpm"),
-            "{html}"
-        );
-        assert!(html.contains("1 min 13 s"), "{html}");
-        assert_eq!(html.matches("plan-asked").count(), 1);
-        assert!(!html.contains("plan-measured"));
+        let chart = only(charts(&plan(), None));
+        let [planned] = chart.lines.as_slice() else {
+            panic!("{chart:?}");
+        };
+        assert_eq!(planned.look, Look::Dashed);
+        let least_and_greatest = |value| planned.points.iter().any(|(_, y)| *y == value);
+        assert!([90.0, -90.0].into_iter().all(least_and_greatest));
+        assert_eq!(planned.points.last().unwrap().0, 73.0);
+        assert!(chart.y.from <= -90.0 && chart.y.to >= 90.0);
     }
 
     #[test]
@@ -221,14 +229,16 @@ mod tests {
         let plan = Plan::new(&Sequence::from_json(text).unwrap(), &fleet).unwrap();
         let mut live = Live::of(&plan);
         live.began(Instant::from_millis(500));
-        assert!(html(&plan, Some(&live)).contains("1 min 1 s"));
+        let end_s = |live: &Live| {
+            let chart = only(charts(&plan, Some(live)));
+            chart.lines[0].points.last().unwrap().0
+        };
+        assert_eq!(end_s(&live), 61.0);
         for (at_ms, step) in [(500, 0), (4_500, 1)] {
             let at = Instant::from_millis(at_ms);
             live.step_began(&Mark { at, step });
         }
-        let html = html(&plan, Some(&live));
-        assert!(html.contains(&texts::duration(5.0)), "{html}");
-        assert!(html.contains("L800.0 "), "{html}");
+        assert_eq!(end_s(&live), 5.0);
     }
 
     #[test]
@@ -247,9 +257,11 @@ mod tests {
         live.began(Instant::from_millis(1_000));
         live.add(&sample(1_000, -120));
         live.add(&sample(1_001, 20));
-        assert_eq!(live.range(Quantity::Rpm), Some((-120.0, 20.0)));
-        let html = html(&plan, Some(&live));
-        assert!(html.contains("\u{2212}120 rpm"), "{html}");
-        assert_eq!(html.matches("plan-measured").count(), 1);
+        let chart = only(charts(&plan, Some(&live)));
+        assert!(chart.y.from <= -120.0, "{:?}", chart.y);
+        let measured = &chart.lines[1];
+        assert_eq!(measured.look, Look::Plain);
+        let values: Vec<f64> = measured.points.iter().map(|point| point.1).collect();
+        assert_eq!(values, [-120.0, 20.0], "before the run nothing is drawn");
     }
 }

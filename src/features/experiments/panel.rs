@@ -1,6 +1,6 @@
 //! The panel `Experiments`: a tab for each kind of question, in three columns: ask, curves, result.
 
-use leptos::{html::Div, prelude::*};
+use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{plan::Plan, study::StudyKind};
 use wasm_bindgen::JsCast;
@@ -8,7 +8,7 @@ use web_sys::KeyboardEvent;
 
 use crate::{
     features::experiments::{
-        chart,
+        chart::{Charts, charts},
         code::CodeTab,
         fields::StudyFields,
         results::{
@@ -191,54 +191,28 @@ fn characterise(of: Experiments) -> impl IntoView {
 /// The setpoints that are asked for; during and after a run with what was measured.
 #[component]
 fn Curves(of: Experiments) -> impl IntoView {
-    let place = NodeRef::<Div>::new();
-    effect(move || {
+    let charts = move || {
         of.live_drawn.track();
         let is_running = of.shown.get().is_driving();
         let armed = of.armed.get();
-        let html = of.checked.with(|checked| {
-            let live = |plan: &Plan| {
-                of.live.with_value(|live| match &armed {
-                    Some(armed) if armed.plan == *plan => chart::html(plan, Some(live)),
-                    _ => chart::html(plan, None),
-                })
-            };
-            match (checked, &armed) {
-                // A table that is edited meanwhile is not what runs.
-                (_, Some(armed)) if is_running => live(&armed.plan),
-                (Some(Ok((_, plan))), _) => live(plan),
-                _ => String::new(),
-            }
-        });
-        if let Some(place) = place.get() {
-            place.set_inner_html(&html);
-        }
-    });
-    let label = move || {
+        let of_plan = |plan: &Plan| {
+            let is_armed = armed.as_ref().is_some_and(|armed| armed.plan == *plan);
+            of.live
+                .with_value(|live| charts(plan, is_armed.then_some(live)))
+        };
+        of.checked.with(|checked| match (checked, &armed) {
+            // A table that is edited meanwhile is not what runs.
+            (_, Some(armed)) if is_running => of_plan(&armed.plan),
+            (Some(Ok((_, plan))), _) => of_plan(plan),
+            _ => Vec::new(),
+        })
+    };
+    let label = Signal::derive(move || {
         let longest = of.checked.with(|checked| match checked {
             Some(Ok((_, plan))) => texts::duration(plan.longest_s()),
             _ => String::new(),
         });
         tr!("Setpoints over {time}", time = longest)
-    };
-    let legend = move || {
-        of.armed.get().map(|armed| {
-            let motors = armed.plan.motors().iter().enumerate();
-            motors
-                .map(|(place, motor)| {
-                    let class = format!("plan-name m{}", place % 4);
-                    view! { <span class=class>{motor.id.to_string()}</span> }
-                })
-                .collect_view()
-        })
-    };
-    view! {
-        <figure class="experiment-chart">
-            <div class="plan-charts" role="img" aria-label=dynamic(label) node_ref=place></div>
-            <figcaption>
-                <span class="plan-name asked">{tr!("Setpoint")}</span>
-                {legend}
-            </figcaption>
-        </figure>
-    }
+    });
+    view! { <Charts charts=Box::new(charts) label /> }
 }

@@ -4,6 +4,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::CarriedRate,
     experiments::{
+        chart::AxisName,
         runner::{Cause, End, ExceededLimit, StartRefusal},
         sequence::{Problem, Quantity, RunLimits, Sequence, SequenceError, Template},
         study::StudyKind,
@@ -34,6 +35,22 @@ pub(super) fn unit(quantity: Quantity) -> &'static str {
         Quantity::Amps => "A",
         Quantity::Degrees => "°",
     }
+}
+
+/// The name of an axis with its unit.
+pub(super) fn axis(name: AxisName) -> String {
+    let (name, unit) = match name {
+        AxisName::Time => (tr!("Time"), "s"),
+        AxisName::Speed => (tr!("Speed"), format::rpm()),
+        AxisName::Current => (tr!("Current" as "electric"), "A"),
+        AxisName::Temperature => (tr!("Temperature"), "°C"),
+        AxisName::Frequency => (tr!("Frequency"), "Hz"),
+        AxisName::Gain => (tr!("Gain"), "dB"),
+        AxisName::Phase => (tr!("Phase"), "°"),
+        AxisName::Position => (tr!("Position"), "°"),
+        AxisName::RSquared => return tr!("R² of the sine").to_owned(),
+    };
+    format!("{name} ({unit})")
 }
 
 /// `38 s`, `5 min 20 s`, `2 h 5 min`

@@ -61,6 +61,7 @@ fn axis(name: AxisName) -> String {
         AxisName::Frequency => "Frequency (Hz)",
         AxisName::Gain => "Gain (dB)",
         AxisName::Phase => "Phase (°)",
+        AxisName::Position => "Position (°)",
         AxisName::RSquared => "R² of the sine",
     }
     .to_owned()

@@ -38,7 +38,13 @@ impl Axis {
             AxisName::RSquared => (0.0, 1.0),
             _ => (least, greatest),
         };
-        let span = (greatest - least).max(1e-3 * greatest.abs()).max(1e-6);
+        // What hardly changes is a straight line.
+        let span_min = match name {
+            AxisName::Speed | AxisName::Position => 1.0,
+            AxisName::Current => 0.1,
+            _ => 1e-6,
+        };
+        let span = (greatest - least).max(1e-3 * greatest.abs()).max(span_min);
         let step = even_step(span / TICKS);
         let first = (least / step).floor();
         let end = (greatest / step).ceil().max(first + 1.0);

@@ -12,6 +12,7 @@ mod svg;
 
 pub use axis::Axis;
 pub use of_findings::{charts, compared_charts};
+pub(crate) use svg::WIDTH;
 pub use svg::{STYLE, file};
 
 /// Maximal number of runs over each other, and of colours.
@@ -34,6 +35,8 @@ pub enum AxisName {
     Gain,
     /// Degrees.
     Phase,
+    /// Degrees of the wheel.
+    Position,
     /// The part of the power that a sine explains, 0 to 1.
     RSquared,
 }

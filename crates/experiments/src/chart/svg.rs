@@ -6,16 +6,20 @@ use motorlink_markup::Element;
 
 use super::{Chart, Line, Look, Names};
 
-/// Width and height without a legend, in its own units.
-const SIZE: (f64, f64) = (720.0, 340.0);
+/// The width of a chart in a file. Text size is 12 units.
+pub(crate) const WIDTH: f64 = 720.0;
+/// Height without a legend, at most.
+const HEIGHT_MAX: f64 = 340.0;
 /// Space for the labels: left, top, right, bottom.
 const MARGIN: [f64; 4] = [64.0, 30.0, 16.0, 44.0];
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
-/// Columns of the legend, if its names are short. It stands above the plot, never over a curve.
+/// Columns of the legend, if its names have room there. It stands above the plot, never over a curve.
 const LEGEND_COLUMNS: u32 = 2;
-/// Characters of a name that has room in a column.
-const COLUMN_CHARS: usize = 40;
+/// Width of a character in the legend, at most.
+const CHAR: f64 = 8.0;
+/// A chart is drawn at least so wide.
+const WIDTH_MIN: f64 = 200.0;
 /// A line with more points is drawn by the least and greatest of each of this many columns.
 const COLUMNS: usize = 1_000;
 
@@ -30,12 +34,13 @@ pub const STYLE: &str = ".chart text{font:12px system-ui,sans-serif;fill:#5a6474
 /// Charts below each other as one SVG file.
 #[must_use]
 pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
-    let height: f64 = charts.iter().map(Chart::height).sum();
+    let charts: Vec<Drawing> = charts.iter().map(|chart| chart.of_width(WIDTH)).collect();
+    let height: f64 = charts.iter().map(Drawing::height).sum();
     let mut root = Element::new("svg")
         .with("xmlns", "http://www.w3.org/2000/svg")
-        .with("width", SIZE.0.to_string())
+        .with("width", WIDTH.to_string())
         .with("height", height.to_string())
-        .with("viewBox", format!("0 0 {} {height}", SIZE.0))
+        .with("viewBox", format!("0 0 {WIDTH} {height}"))
         .child(Element::new("style").text(STYLE))
         .child(
             Element::new("rect")
@@ -58,25 +63,46 @@ pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
 }
 
 impl Chart {
-    /// The chart as an element `svg`, hidden from screen readers: the figures say what it shows.
+    /// The chart as an element `svg` of this width, hidden from screen readers: the figures say what it shows. Its units are
+    /// pixels where it is shown at this width.
     #[must_use]
-    pub fn svg(&self, names: &Names<'_>) -> Element {
+    pub fn svg(&self, names: &Names<'_>, width: f64) -> Element {
+        let drawing = self.of_width(width);
         Element::new("svg")
-            .with("viewBox", format!("0 0 {} {}", SIZE.0, self.height()))
+            .with("viewBox", format!("0 0 {width} {}", drawing.height()))
             .with("aria-hidden", "true")
-            .child(self.parts(names))
+            .child(drawing.parts(names))
     }
 
+    const fn of_width(&self, width: f64) -> Drawing<'_> {
+        Drawing {
+            chart: self,
+            width: width.max(WIDTH_MIN),
+        }
+    }
+}
+
+/// A chart of this width.
+struct Drawing<'a> {
+    chart: &'a Chart,
+    width: f64,
+}
+
+impl Drawing<'_> {
     /// The lines in the legend.
     fn entries(&self) -> impl Iterator<Item = &Line> {
-        self.lines.iter().filter(|line| !line.name.is_empty())
+        let lines = self.chart.lines.iter();
+        lines.filter(|line| !line.name.is_empty())
     }
 
     fn legend_columns(&self) -> u32 {
         // A Chinese character is twice as wide.
-        let width = |name: &str| name.chars().map(|c| 1 + usize::from(c >= '\u{2E80}')).sum();
-        let longest: Option<usize> = self.entries().map(|line| width(&line.name)).max();
-        if longest.is_some_and(|longest| longest > COLUMN_CHARS) {
+        let width =
+            |name: &str| -> u32 { name.chars().map(|c| 1 + u32::from(c >= '\u{2E80}')).sum() };
+        let [left, _, right, _] = MARGIN;
+        let column = (self.width - left - right) / f64::from(LEGEND_COLUMNS);
+        let longest = self.entries().map(|line| width(&line.name)).max();
+        if longest.is_some_and(|longest| f64::from(longest) * CHAR > column) {
             1
         } else {
             LEGEND_COLUMNS
@@ -89,7 +115,7 @@ impl Chart {
     }
 
     fn height(&self) -> f64 {
-        SIZE.1 + self.legend_height()
+        (160.0 + self.width / 4.0).min(HEIGHT_MAX) + self.legend_height()
     }
 
     /// The top of the plot.
@@ -99,7 +125,8 @@ impl Chart {
 
     fn parts(&self, names: &Names<'_>) -> Element {
         let [left, _, right, bottom] = MARGIN;
-        let (end, top, floor) = (SIZE.0 - right, self.top(), self.height() - bottom);
+        let Chart { x, y, lines } = self.chart;
+        let (end, top, floor) = (self.width - right, self.top(), self.height() - bottom);
         let text = |x: f64, y: f64, anchor: &str, words: String| {
             Element::new("text")
                 .with("x", short(x))
@@ -116,27 +143,28 @@ impl Chart {
                 .with("y2", short(y2))
         };
         let mut group = Element::new("g").with("class", "chart");
-        for tick in &self.y.ticks {
-            let y = self.y_of(*tick);
-            let label = self.y.label(*tick);
-            group =
-                group
-                    .child(grid(left, y, end, y))
-                    .child(text(left - 8.0, y + 4.0, "end", label));
+        for tick in &y.ticks {
+            let (at, label) = (self.y_of(*tick), y.label(*tick));
+            group = group.child(grid(left, at, end, at)).child(text(
+                left - 8.0,
+                at + 4.0,
+                "end",
+                label,
+            ));
         }
-        for tick in &self.x.ticks {
-            let x = self.x_of(*tick);
-            group = group.child(grid(x, floor, x, floor + 4.0)).child(text(
-                x,
+        for tick in &x.ticks {
+            let (at, label) = (self.x_of(*tick), x.label(*tick));
+            group = group.child(grid(at, floor, at, floor + 4.0)).child(text(
+                at,
                 floor + 18.0,
                 "middle",
-                self.x.label(*tick),
+                label,
             ));
         }
         group = group
-            .child(text(left, top - 14.0, "start", names(self.y.name)))
-            .child(text(end, self.height() - 8.0, "end", names(self.x.name)));
-        group = group.children(self.lines.iter().map(|line| self.path(line)));
+            .child(text(left, top - 14.0, "start", names(y.name)))
+            .child(text(end, self.height() - 8.0, "end", names(x.name)));
+        group = group.children(lines.iter().map(|line| self.path(line)));
         let columns = self.legend_columns();
         let column = (end - left) / f64::from(columns);
         for (place, line) in (0..).zip(self.entries()) {
@@ -193,12 +221,12 @@ impl Chart {
 
     fn x_of(&self, value: f64) -> f64 {
         let [left, _, right, _] = MARGIN;
-        left + self.x.place(value) * (SIZE.0 - left - right)
+        left + self.chart.x.place(value) * (self.width - left - right)
     }
 
     fn y_of(&self, value: f64) -> f64 {
         let floor = self.height() - MARGIN[3];
-        floor - self.y.place(value) * (floor - self.top())
+        floor - self.chart.y.place(value) * (floor - self.top())
     }
 }
 
@@ -249,9 +277,12 @@ mod tests {
         assert!(text.contains("&lt;b&gt;") && !text.contains("<b>"));
         assert!(text.contains("translate(0 358)"));
         assert!(text.len() < 100_000, "{}", text.len());
-        for (x, y) in &chart.lines[0].points {
-            assert!((64.0..=704.0).contains(&chart.x_of(*x)));
-            assert!((48.0..=314.0).contains(&chart.y_of(*y)));
+        for (width, height) in [(WIDTH, 340.0), (360.0, 250.0)] {
+            let drawing = chart.of_width(width);
+            for (x, y) in &chart.lines[0].points {
+                assert!((64.0..=width - 16.0).contains(&drawing.x_of(*x)));
+                assert!((48.0..=height - 26.0).contains(&drawing.y_of(*y)));
+            }
         }
     }
 }

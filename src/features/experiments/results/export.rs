@@ -114,7 +114,7 @@ pub(super) fn export(kept: KeptRuns, runs: &[u32], format: Format) {
                 .filter_map(|number| section(kept, *number))
                 .collect();
             let charts = charts_of(kept, runs);
-            let html = report(&texts, &sections, &charts, &texts::axis);
+            let html = report(&texts, &sections, &charts, &study_texts::axis);
             save_text(
                 &html,
                 &format!("motorlink-report-{}.html", date(kept, runs)),
@@ -184,7 +184,7 @@ pub(in crate::features::experiments) fn save_text(text: &str, name: &str) {
 fn save_picture(charts: &[Chart]) {
     let options = BlobPropertyBag::new();
     options.set_type("image/svg+xml");
-    let text = Array::of1(&file(charts, &texts::axis).into());
+    let text = Array::of1(&file(charts, &study_texts::axis).into());
     let Ok(blob) = Blob::new_with_str_sequence_and_options(&text, &options) else {
         return;
     };

@@ -3,7 +3,6 @@
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     analysis::{Invalid, SetpointRate},
-    chart::AxisName,
     kept::{Outcome, RunHeader},
     runner::End,
     study::Study,
@@ -16,21 +15,6 @@ use crate::{
         format::{self, UNKNOWN},
     },
 };
-
-/// The name of an axis with its unit.
-pub(super) fn axis(name: AxisName) -> String {
-    let (name, unit) = match name {
-        AxisName::Time => (tr!("Time"), "s"),
-        AxisName::Speed => (tr!("Speed"), format::rpm()),
-        AxisName::Current => (tr!("Current" as "electric"), "A"),
-        AxisName::Temperature => (tr!("Temperature"), "°C"),
-        AxisName::Frequency => (tr!("Frequency"), "Hz"),
-        AxisName::Gain => (tr!("Gain"), "dB"),
-        AxisName::Phase => (tr!("Phase"), "°"),
-        AxisName::RSquared => return tr!("R² of the sine").to_owned(),
-    };
-    format!("{name} ({unit})")
-}
 
 /// `Acceleration 3`
 pub(super) fn acceleration(byte: u8) -> String {

@@ -13,10 +13,7 @@ use super::{
     figures::{Figure, Figures},
     texts as names,
 };
-use crate::{
-    features::experiments::{kept::KeptRuns, texts},
-    ui::reactive::dynamic,
-};
+use crate::features::experiments::{chart::Charts, kept::KeptRuns, texts};
 
 /// The charts of these runs.
 pub(super) fn charts_of(kept: KeptRuns, shown: &[u32]) -> Vec<Chart> {
@@ -62,32 +59,17 @@ pub(super) fn rates(kept: KeptRuns, header: &RunHeader) -> Option<Vec<Option<Set
 /// The charts. `shown` has the numbers of the runs.
 #[component]
 pub(crate) fn RunChart(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView {
-    // The charts of a builder that escapes every text.
-    let html = move || {
-        let mut html = String::new();
-        for chart in charts_of(kept, &shown.get()) {
-            chart.svg(&names::axis).write(&mut html);
-        }
-        html
-    };
-    let label = move || {
+    let charts = move || charts_of(kept, &shown.get());
+    let label = Signal::derive(move || {
         let first = shown.with(|shown| shown.first().copied());
         let kind = first.and_then(|first| Some(kept.header(first)?.study()?.kind()));
         match kind {
-            Some(StudyKind::Frequency) => tr!("Bode plot"),
-            Some(kind) => texts::study(kind),
-            None => tr!("Chart"),
+            Some(StudyKind::Frequency) => tr!("Bode plot").to_owned(),
+            Some(kind) => texts::study(kind).to_owned(),
+            None => tr!("Chart").to_owned(),
         }
-    };
-    view! {
-        <div
-            class="run-chart"
-            role="img"
-            aria-label=dynamic(label)
-            hidden=dynamic(move || shown.with(Vec::is_empty))
-            inner_html=dynamic(html)
-        ></div>
-    }
+    });
+    view! { <Charts charts=Box::new(charts) label /> }
 }
 
 /// The figures of a run with what they mean; of several runs beside each other.
