@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use motorlink_bus::{Command, Consent, Counters, LineStatus};
 use motorlink_diagnosis::{
     Line, Record, Verdict, echoed, garbled,
-    texts::{Advice, cause, judged, remedy, some_lost, too_little, well},
+    texts::{Advice, cause, judged, loss_ended, remedy, some_lost, too_little, well},
 };
 use motorlink_driver::{Ender, Status};
 use motorlink_i18n::load_later_texts;
@@ -110,7 +110,10 @@ fn examine(
     let was_quiet = watch(connection, how, &mut record)?;
     let at_rest = record.verdict().clone();
     // Two motors with one ID would both turn, and what is lost may be a stop.
-    let is_well = matches!(at_rest, Verdict::Healthy | Verdict::SomeLoss);
+    let is_well = matches!(
+        at_rest,
+        Verdict::Healthy | Verdict::SomeLoss | Verdict::LossEnded
+    );
     let mut turning = None;
     if let Some(setpoint) = setpoint
         && may_turn
@@ -252,6 +255,7 @@ fn say_verdict(verdict: &Verdict) -> Result<(), Failure> {
         Verdict::TooLittle => return print(too_little()),
         Verdict::Healthy => return print(well()),
         Verdict::SomeLoss => return print(some_lost()),
+        Verdict::LossEnded => return print(loss_ended()),
         Verdict::Faulty(found) => found,
     };
     for diagnosis in found {
@@ -312,6 +316,7 @@ fn of_verdict(verdict: &Verdict) -> Value {
         Verdict::TooLittle => ("too_little", &[][..]),
         Verdict::Healthy => ("healthy", &[][..]),
         Verdict::SomeLoss => ("some_loss", &[][..]),
+        Verdict::LossEnded => ("loss_ended", &[][..]),
         Verdict::Faulty(found) => ("faulty", found.as_slice()),
     };
     let causes = found.iter().map(|diagnosis| {

@@ -103,6 +103,8 @@ pub enum Verdict {
     Healthy,
     /// More is lost than on a healthy bus, but too little to name a cause.
     SomeLoss,
+    /// Nothing was lost in the last ten seconds, but at least 5 % of the last hundred exchanges of a motor.
+    LossEnded,
     /// The likely causes, never empty.
     Faulty(Vec<Diagnosis>),
 }
@@ -210,8 +212,7 @@ pub fn diagnose(findings: &Findings) -> Verdict {
     } else if motors.iter().all(is_well) {
         Verdict::Healthy
     } else if motors.iter().all(|motor| motor.recent.lost() == 0) {
-        // The header still counts replies that were lost before this record began.
-        Verdict::TooLittle
+        Verdict::LossEnded
     } else {
         Verdict::SomeLoss
     }

@@ -240,7 +240,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
                 loss_per_mille: Some(50),
                 ..standing(ID, good)
             }]),
-            Verdict::TooLittle,
+            Verdict::LossEnded,
         ),
         (
             "a motor that has just fallen silent",

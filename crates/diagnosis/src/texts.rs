@@ -16,6 +16,12 @@ pub fn well() -> &'static str {
     tr!("Bus healthy: nearly every request gets a prompt reply.")
 }
 
+/// Replies were lost before, and are no longer.
+#[must_use]
+pub fn loss_ended() -> &'static str {
+    tr!("No replies are lost now. Some were lost before.")
+}
+
 /// Something is wrong, and nobody knows what.
 #[must_use]
 pub fn some_lost() -> &'static str {

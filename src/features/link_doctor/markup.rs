@@ -2,7 +2,7 @@
 
 use motorlink_diagnosis::{
     Verdict,
-    texts::{cause, remedy, some_lost, too_little, well},
+    texts::{cause, loss_ended, remedy, some_lost, too_little, well},
 };
 use motorlink_i18n::tr;
 use motorlink_messages::LineCondition;
@@ -101,6 +101,7 @@ pub(crate) fn verdict(verdict: &Verdict) -> String {
         Verdict::TooLittle => ("", too_little()),
         Verdict::Healthy => ("good", well()),
         Verdict::SomeLoss => ("", some_lost()),
+        Verdict::LossEnded => ("", loss_ended()),
         Verdict::Faulty(found) => {
             let advice = texts::advice();
             for diagnosis in found {
