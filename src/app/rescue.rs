@@ -27,6 +27,7 @@ use crate::{
         notice_board::{NoticeText, Remedy, Tone, Topic},
         page::Page,
         snapshot::Session,
+        terms,
     },
     ui::{clock::page_origin_ms, reactive::effect},
 };
@@ -257,12 +258,7 @@ fn text(stage: &Stage) -> NoticeText {
         )]),
         Stage::Stopped(report) => {
             let ids: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
-            let ids: Vec<String> = ids.iter().map(ToString::to_string).collect();
-            let stopped = tr!(
-                "Stopped, standstill confirmed: {motors}",
-                motors = ids.join(", ")
-            );
-            with_reload(say(&[&stopped, reload]))
+            with_reload(say(&[&terms::stopped(&ids), reload]))
         }
         Stage::NothingLeft => with_reload(say(&[tr!("No motor was running."), reload])),
         Stage::NotConfirmed => with_reload(say(&[

@@ -52,7 +52,7 @@ fn nothing_drives_while_it_must_not() {
         s.motors[0].answer = Answer::Missing;
     });
     // One state, one sentence: that of the notice.
-    case("No valid reply from motor 0x01 for 2 s", &|s| {
+    case("No valid reply from 0x01 for 2 s", &|s| {
         s.motors = vec![status(400, Mode::Velocity, 0)];
         s.motors[0].answer = Answer::Corrupted;
     });

@@ -146,16 +146,7 @@ fn of_stop_ended(report: &StopReport) -> Line {
     if motors.is_empty() {
         return calm(tr!("Stopped: no motor was running"));
     }
-    calm(tr!(
-        "Stopped, standstill confirmed: {motors}",
-        motors = named(&motors)
-    ))
-}
-
-/// `0x01, 0x07`
-fn named(ids: &[MotorId]) -> String {
-    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
-    ids.join(", ")
+    calm(terms::stopped(&motors))
 }
 
 #[cfg(test)]

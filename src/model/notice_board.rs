@@ -40,7 +40,7 @@ pub(crate) enum Review {
     Keep,
     /// Withdraw it.
     Withdraw,
-    /// Replace it.
+    /// Replace it, if it is another one.
     Replace(NoticeText, Until),
 }
 
@@ -234,7 +234,7 @@ impl NoticeBoard {
         });
     }
 
-    /// Applies `fate` to every notice. Returns whether any changed.
+    /// Reviews every notice. Returns whether any changed.
     pub(crate) fn review(&mut self, mut review: impl FnMut(&mut Until) -> Review) -> bool {
         let mut changed = false;
         for slot in &mut self.slots {
@@ -243,8 +243,11 @@ impl NoticeBoard {
                 Review::Keep => continue,
                 Review::Withdraw => *slot = None,
                 Review::Replace(words, until) => {
-                    posted.words = words;
                     posted.until = until;
+                    if posted.words == words {
+                        continue;
+                    }
+                    posted.words = words;
                 }
             }
             changed = true;

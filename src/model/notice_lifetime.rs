@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Notice, Update,
-    bus::{Activity, IdQueryOutcome, MotorStatus, StopOutcome},
+    bus::{Activity, Answer, IdQueryOutcome, MotorStatus, StopOutcome},
     protocol::{MotorId, Rpm},
 };
 
@@ -45,13 +45,13 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Review {
         Until::Answers(ids) => {
             let is_silent = |id: &MotorId| motor(id).is_some_and(MotorStatus::is_silent);
             let left: Vec<MotorId> = ids.iter().copied().filter(is_silent).collect();
-            if !left.is_empty() && left != *ids {
-                return Review::Replace(
-                    notice_texts::of_silence(&left, false),
-                    Until::Answers(left),
-                );
+            if !left.is_empty() {
+                // What comes from a silent motor changes.
+                let is_corrupted = |id| motor(id).is_some_and(|it| it.answer == Answer::Corrupted);
+                let words = notice_texts::of_silence(&left, left.iter().all(is_corrupted));
+                return Review::Replace(words, Until::Answers(left));
             }
-            left.is_empty()
+            true
         }
         Until::Loop(id, mode) => {
             let replies = update.samples.iter().map(|sample| sample.reply);

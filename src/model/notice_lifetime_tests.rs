@@ -130,13 +130,16 @@ fn silent_motors_are_all_named_and_each_until_it_answers() {
             id: id(4),
             garbled: false
         }]),
-        ["No reply from motors 0x02, 0x04 for 2 s"]
+        ["No valid reply from 0x02, 0x04 for 2 s"]
     );
     scenario.motor(2).answer = Answer::Comes;
     assert_eq!(
         scenario.update(&[Notice::MotorBack(id(2))]),
         ["No reply from motor 0x04 for 2 s"]
     );
+    // Bytes come from it now.
+    scenario.motor(4).answer = Answer::Corrupted;
+    assert_eq!(scenario.update(&[]), ["No valid reply from 0x04 for 2 s"]);
     scenario.motor(4).answer = Answer::Comes;
     assert!(scenario.update(&[Notice::MotorBack(id(4))]).is_empty());
 }

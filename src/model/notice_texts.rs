@@ -129,16 +129,16 @@ fn of_refusal(command: CommandKind, refusal: Refusal) -> Option<NoticeText> {
     })
 }
 
-/// Motors do not answer. `garbled`: bytes come from the newest of them, but no valid reply.
+/// Motors do not answer. `garbled`: bytes come from all of them, but no valid reply.
 pub(crate) fn of_silence(ids: &[MotorId], garbled: bool) -> NoticeText {
     let title = match ids {
-        [id] if garbled => tr!("No valid reply from motor {id} for 2 s", id),
-        [id] => tr!("No reply from motor {id} for 2 s", id),
-        ids => tr!("No reply from motors {ids} for 2 s", ids = named(ids)),
+        [id] if !garbled => tr!("No reply from motor {id} for 2 s", id),
+        // True of those from which bytes come, and of the others.
+        ids => tr!("No valid reply from {ids} for 2 s", ids = terms::ids(ids)),
     };
-    if garbled && ids.len() == 1 {
+    if garbled {
         let advice = tr!(
-            "It replies, but the bytes are corrupted. Link health in Diagnose names the likely cause."
+            "Bytes come, but they are corrupted. Link health in Diagnose names the likely cause."
         );
         return NoticeText::new(Topic::Silence, Tone::Warning, title, &[advice])
             .explained_at(HelpTopic::DamagedBytes);
@@ -224,7 +224,7 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
         [_] => tr!("Stopping motor {id}: {why}", id, why),
         ids => tr!(
             "Stopping motors {ids} because of motor {id}: {why}",
-            ids = named(ids),
+            ids = terms::ids(ids),
             id,
             why
         ),
@@ -260,7 +260,7 @@ pub(crate) fn of_ended_drive(
         [_] => tr!("Motor {id} is no longer driven: {why}", id, why),
         ids => tr!(
             "Motors {ids} are no longer driven because of motor {id}: {why}",
-            ids = named(ids),
+            ids = terms::ids(ids),
             id,
             why
         ),
@@ -272,12 +272,6 @@ pub(crate) fn of_ended_drive(
     }
 }
 
-/// `0x01, 0x07`
-fn named(ids: &[MotorId]) -> String {
-    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
-    ids.join(", ")
-}
-
 fn of_stop(report: &StopReport) -> Option<NoticeText> {
     let motors = report.motors.iter().copied();
     let mut open = motors.filter(|motor| !motor.confirmed).peekable();
@@ -287,8 +281,7 @@ fn of_stop(report: &StopReport) -> Option<NoticeText> {
         let stand = report.motors.iter().filter(|motor| motor.confirmed);
         let stand: Vec<MotorId> = stand.map(|motor| motor.id).collect();
         if !stand.is_empty() {
-            let stand = tr!("Standstill confirmed: {motors}", motors = named(&stand));
-            words.advice.push(stand);
+            words.advice.push(terms::stopped(&stand));
         }
         if left_driven {
             let why = of_stop_reason(report.reason);
@@ -299,15 +292,11 @@ fn of_stop(report: &StopReport) -> Option<NoticeText> {
     left_driven.then(|| of_left_driven(report))
 }
 
-/// Motors that were driven when a connection was lost were stopped, and have confirmed it.
+/// Motors that were driven when the connection or their replies were lost were stopped, and have confirmed it.
 fn of_left_driven(report: &StopReport) -> NoticeText {
     let ids: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
-    let title = tr!(
-        "Stopped, standstill confirmed: {motors}",
-        motors = named(&ids)
-    );
     let why = of_stop_reason(report.reason);
-    NoticeText::new(Topic::Stop, Tone::Warning, title, &[why])
+    NoticeText::new(Topic::Stop, Tone::Warning, terms::stopped(&ids), &[why])
         .explained_at(HelpTopic::StoppedByItself)
 }
 
@@ -421,7 +410,7 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::Job => tr!("A bus scan is starting."),
         StopReason::OtherModel => tr!("A motor of another model answered."),
         StopReason::LeftDriven => {
-            tr!("Motors may have been running when the connection was lost.")
+            tr!("Motors may have kept running while they could not be reached.")
         }
     }
 }

@@ -105,7 +105,7 @@ fn what_was_left_driven_is_told_with_its_reason_whether_it_confirms_or_not() {
     for confirmed in [true, false] {
         let words = told(confirmed);
         assert!(words.contains("0x01"), "{words}");
-        assert!(words.contains("when the connection was lost"), "{words}");
+        assert!(words.contains("could not be reached"), "{words}");
         assert_eq!(words.contains("off the power"), !confirmed, "{words}");
     }
 }

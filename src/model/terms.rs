@@ -6,7 +6,7 @@ use motorlink_messages::{
     Adapter,
     bus::{Answer, ExceededLimit, GroupError, GroupSetpoints, Refusal},
     experiments::analysis::WhenSilent,
-    protocol::{Mode, family::Model},
+    protocol::{Mode, MotorId, family::Model},
 };
 
 use crate::ui::format;
@@ -24,6 +24,20 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
         // Named by its manufacturer.
         named => named.to_string(),
     }
+}
+
+/// `0x01, 0x07`
+pub(crate) fn ids(ids: &[MotorId]) -> String {
+    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
+    ids.join(", ")
+}
+
+/// These motors have stopped, and have confirmed it.
+pub(crate) fn stopped(motors: &[MotorId]) -> String {
+    tr!(
+        "Stopped, standstill confirmed: {motors}",
+        motors = ids(motors)
+    )
 }
 
 /// What is wrong with the replies of a motor; `None` if they come.

@@ -97,8 +97,8 @@ pub(crate) struct Motor {
     pub(crate) unanswered_in_a_row: u32,
     /// The same, without the requests to other motors that stood for its drive frames.
     pub(crate) lost_in_a_row: u32,
-    /// Those of them with invalid bytes in the reply window.
-    pub(crate) garbled_in_a_row: u32,
+    /// Which of the last eight of them had invalid bytes in their reply window: a bit each, the newest the lowest.
+    garbled_windows: u8,
     /// The loop of a mode switch that no reply has confirmed yet.
     switched_to: Option<Switched>,
     /// The loop that a reply of unknown age has reported since the last reading, if it is another one.
@@ -146,7 +146,7 @@ impl Motor {
             stalled: Duration::ZERO,
             unanswered_in_a_row: 0,
             lost_in_a_row: 0,
-            garbled_in_a_row: 0,
+            garbled_windows: 0,
             switched_to: None,
             other_loop: None,
             next_query: now,
@@ -206,7 +206,7 @@ impl Motor {
         self.answered = Some(at);
         self.unanswered_in_a_row = 0;
         self.lost_in_a_row = 0;
-        self.garbled_in_a_row = 0;
+        self.garbled_windows = 0;
     }
 
     /// Records a reply of unknown age: one less is outstanding, and it is no current reading. But replies arrive

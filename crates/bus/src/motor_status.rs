@@ -33,7 +33,7 @@ pub enum Activity {
     },
 }
 
-/// Whether a motor answers; of a silent one, what came when it fell silent.
+/// Whether a motor answers; of a silent one, what comes instead.
 ///
 /// Encoded by its number, so 0 and 1 read as the `false` and `true` of earlier versions, which asked whether it is silent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,9 +42,9 @@ pub enum Answer {
     /// It has answered within two seconds, or was not asked.
     #[default]
     Comes,
-    /// It has not answered for two seconds, and nothing came.
+    /// No valid reply for two seconds, and the last reply windows were empty.
     Missing,
-    /// Bytes have come for two seconds, but no valid reply.
+    /// No valid reply for two seconds, and invalid bytes in the last reply windows.
     Corrupted,
 }
 

@@ -28,16 +28,11 @@ impl Bus {
             && self.check_no_raw_hazard().is_ok();
         for motor in &mut self.motors {
             if motor.falls_silent(now) {
-                let garbled = motor.garbled_in_a_row > motor.lost_in_a_row / 2;
-                motor.answer = if garbled {
-                    Answer::Corrupted
-                } else {
-                    Answer::Missing
-                };
+                motor.answer = motor.silence_kind();
                 motor.rest.wait_for_reply();
                 self.events.push_back(Event::MotorSilent {
                     id: motor.id,
-                    garbled,
+                    garbled: motor.answer == Answer::Corrupted,
                 });
             }
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {

@@ -107,9 +107,7 @@ impl Bus {
                     motor.next_query = now;
                 }
                 // A good reply of another motor says nothing of this one.
-                if rest.junk_bytes > 0 {
-                    motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);
-                }
+                motor.record_lost_window(rest.junk_bytes > 0);
                 if let Control::Stopping(stop) = &mut motor.control
                     && self.settings.slow_brake_frames
                 {

@@ -195,6 +195,29 @@ fn a_motor_whose_replies_are_all_corrupted_is_told_from_one_without_power() {
     assert_eq!(fixture.status(ID).answer, Answer::Corrupted);
 }
 
+#[test]
+fn what_comes_from_a_silent_motor_is_judged_again_while_it_is_silent() {
+    let mut fixture = Fixture::one_motor();
+    fixture.run(ms(500));
+    let corrupted = |share| WireFaults {
+        corrupt_reply: share,
+        ..WireFaults::default()
+    };
+    fixture.world.set_faults(corrupted(1.0));
+    fixture.run(ms(3_000));
+    assert_eq!(fixture.status(ID).answer, Answer::Corrupted);
+    fixture.world.motor_mut(ID).unwrap().power(false);
+    fixture.run(ms(5_000));
+    assert_eq!(fixture.status(ID).answer, Answer::Missing);
+    // It starts, and the line is as bad as before.
+    fixture.world.motor_mut(ID).unwrap().power(true);
+    fixture.run(ms(5_000));
+    assert_eq!(fixture.status(ID).answer, Answer::Corrupted);
+    fixture.world.set_faults(corrupted(0.0));
+    fixture.run(ms(1_000));
+    assert_eq!(fixture.status(ID).answer, Answer::Comes);
+}
+
 /// A machine that holds the worker up for a while is no silent motor.
 #[test]
 fn a_bus_that_was_not_run_for_a_while_drives_on() {

@@ -16,7 +16,7 @@ use crate::{
     model::{
         guards::{blocked_by_silence, drive_blocked_by},
         help_topic::HelpTopic,
-        notice_board::{NoticeBoard, Posted, Remedy, Tone},
+        notice_board::{NoticeBoard, Posted, Remedy, Tone, Topic},
         page::use_page,
         replay,
         snapshot::{Reading, Session},
@@ -101,7 +101,9 @@ fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
                     Tone::Warning => "notice warning",
                     Tone::Error => "notice error",
                 };
-                tone.to_owned()
+                // Its advice is in Link health too.
+                let is_of_link = matches!(posted.words.topic, Topic::Quality | Topic::Silence);
+                [tone, if is_of_link { " of-link" } else { "" }].concat()
             })
             role=notice(|posted| {
                 let role = if posted.words.tone == Tone::Calm { "status" } else { "alert" };

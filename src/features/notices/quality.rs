@@ -10,6 +10,7 @@ use crate::{
         notice_board::{NoticeText, Tone, Topic},
         page::use_page,
         snapshot::Session,
+        terms,
     },
     ui::reactive::effect,
 };
@@ -103,12 +104,11 @@ impl Watch {
 }
 
 fn of_poor_line(ids: &[MotorId]) -> NoticeText {
-    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
-    let title = match ids.as_slice() {
+    let title = match ids {
         [id] => tr!("Replies of motor {id} are lost or damaged", id),
         ids => tr!(
             "Replies of motors {ids} are lost or damaged",
-            ids = ids.join(", ")
+            ids = terms::ids(ids)
         ),
     };
     let advice = tr!(

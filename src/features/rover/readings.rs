@@ -7,6 +7,7 @@ use crate::{
     model::{
         heat::Band,
         snapshot::{Reading, Session},
+        terms::trouble_of_replies,
     },
     ui::format::{self, UNKNOWN},
 };
@@ -36,7 +37,11 @@ pub(crate) fn card(session: &Session, id: MotorId) -> Card {
     let faults = faults.filter(|faults| !faults.value.is_none());
     let band = temperature.map(|reading| Band::of(reading.value));
     let (trouble, look) = match (speed, faults, band) {
-        (None, ..) => (tr!("No reply").to_owned(), "lost"),
+        (None, ..) => {
+            let of_motor = session.motor(id);
+            let words = of_motor.and_then(|it| trouble_of_replies(it.answer));
+            (words.unwrap_or(tr!("No reply")).to_owned(), "lost")
+        }
         (_, Some(faults), _) => (terms::faults(faults.value), "fault"),
         (_, _, Some(Band::Hot)) => (tr!("too hot").to_owned(), "hot"),
         (_, _, Some(Band::Warm)) => (tr!("warm").to_owned(), "warm"),
@@ -54,7 +59,10 @@ pub(crate) fn card(session: &Session, id: MotorId) -> Card {
 mod tests {
     use std::time::Duration;
 
-    use motorlink_messages::protocol::{Celsius, Faults, Mode};
+    use motorlink_messages::{
+        bus::Answer,
+        protocol::{Celsius, Faults, Mode},
+    };
 
     use super::*;
     use crate::model::{
@@ -98,6 +106,8 @@ mod tests {
         session.now = session.now + Duration::from_secs(1);
         let old = card(&session, ID);
         assert_eq!(texts(&old), ("–", "– A · 33 °C", "No reply", "lost"));
+        session.motors[0].answer = Answer::Corrupted;
+        assert_eq!(card(&session, ID).trouble, "Bad replies");
         assert_eq!(card(&Session::default(), ID).rest, "– A · – °C");
     }
 }

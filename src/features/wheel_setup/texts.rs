@@ -1,7 +1,7 @@
 //! The messages of the panel: the running activity, its outcome, or what to do next.
 
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::{MotorId, family::Model};
+use motorlink_messages::protocol::family::Model;
 
 use crate::{
     features::wheel_setup::{
@@ -11,6 +11,7 @@ use crate::{
     model::{
         id_progress::IdProgress,
         notice_board::{NoticeText, Tone, Topic},
+        terms,
     },
 };
 
@@ -52,7 +53,7 @@ fn after(setup: &Setup) -> NoticeText {
             tr!(
                 "{count} motors found ({ids})",
                 count = motors.len(),
-                ids = ids(motors)
+                ids = terms::ids(motors)
             ),
             &[tr!(
                 "A new ID reaches every motor on the bus. Unplug all motors but this one, then \
@@ -181,8 +182,8 @@ fn of_check(setup: &Setup, count: usize) -> NoticeText {
         );
     }
     let others = setup.unassigned_motors();
-    let others =
-        (!others.is_empty()).then(|| tr!("Other motors also reply: {ids}.", ids = ids(&others)));
+    let others = (!others.is_empty())
+        .then(|| tr!("Other motors also reply: {ids}.", ids = terms::ids(&others)));
     let is_missing = |wheel: &&Wheel| setup.has_answered(wheel) == Some(false);
     let missing: Vec<String> = setup
         .wheels
@@ -251,11 +252,6 @@ pub(crate) fn id_of(setup: &Setup, place: usize) -> String {
     let wheel = setup.wheels.get(place);
     let id = wheel.and_then(Wheel::motor);
     id.map(|id| id.to_string()).unwrap_or_default()
-}
-
-fn ids(motors: &[MotorId]) -> String {
-    let ids: Vec<String> = motors.iter().map(ToString::to_string).collect();
-    ids.join(", ")
 }
 
 fn calm(title: impl Into<String>, advice: &[&str]) -> NoticeText {

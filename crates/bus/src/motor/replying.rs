@@ -3,7 +3,11 @@
 use motorlink_protocol::{Detail, Instant, Layout, Reply, family::Reading};
 
 use super::{Control, Motor};
+use crate::motor_status::Answer;
 use crate::timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, FRESH_FOR, TEMPERATURE_JUMP};
+
+/// Windows by which the kind of a silence is judged: five seconds while nothing is driven.
+const JUDGED_WINDOWS: u32 = 5;
 
 impl Motor {
     /// The layout in which to read its reply to a request in `layout`; `None` if that is uncertain.
@@ -46,6 +50,30 @@ impl Motor {
         if may_be_off && matches!(self.control, Control::Stopping(_)) {
             self.rest.wait_for_reply();
         }
+    }
+
+    /// Records a reply window without a reply, and updates the kind of silence of a silent motor. A line that gives both
+    /// kinds does not change it with each request.
+    pub(crate) fn record_lost_window(&mut self, had_invalid_bytes: bool) {
+        self.garbled_windows = self.garbled_windows << 1 | u8::from(had_invalid_bytes);
+        self.answer = match (self.answer, self.garbled_of_judged()) {
+            (Answer::Missing, 4..) => Answer::Corrupted,
+            (Answer::Corrupted, ..=1) => Answer::Missing,
+            (answer, _) => answer,
+        };
+    }
+
+    /// The kind of silence of a motor that falls silent.
+    pub(crate) fn silence_kind(&self) -> Answer {
+        if self.garbled_of_judged() * 2 > self.lost_in_a_row.min(JUDGED_WINDOWS) {
+            Answer::Corrupted
+        } else {
+            Answer::Missing
+        }
+    }
+
+    const fn garbled_of_judged(&self) -> u32 {
+        (self.garbled_windows & ((1 << JUDGED_WINDOWS) - 1)).count_ones()
     }
 
     /// Its stop has ended, and it has told nothing lately. The frames of the stop may not have left the port: it counts
