@@ -62,7 +62,7 @@ const PARTS: [Part; 19] = [
     // 3,300 are the virtual motors to try, the wiring and the recording of the first screen, 3,900 the edge, the title and
     // the tabs of the dock.
     // 1,500 are the group Remote of a page that comes from a server. 300 are names and texts that macros derive.
-    ("desk", BEHIND, &["desk"], 148_400),
+    ("desk", BEHIND, &["desk"], 147_400),
     // 1,600 are the cards of a group. 300 keep a finger that scrolls from driving, and the pad below the limit.
     ("tools", BEHIND, &["tools"], 65_600),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
@@ -78,8 +78,8 @@ const PARTS: [Part; 19] = [
     // correlated noise, read the CSV files of spreadsheets, and describe a robot of any number of wheels. 16,000 say what
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording. 600 are names and texts that
-    // macros derive.
-    ("experiments", ASKED, &["experiments"], 280_000),
+    // macros derive. 600 draw charts in the width of their container.
+    ("experiments", ASKED, &["experiments"], 280_700),
     ("help", BEHIND, &["help.", "help-"], 8_400),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
@@ -91,8 +91,8 @@ const PARTS: [Part; 19] = [
     // exports of the panel Recording, which is a tool, 200 what a start waits for. 900 say why a motor cannot be driven at
     // once, to the drive pad and to a run.
     // 800 are what the cards of a group have in common with the rover. The last switch of the first program is in Setup now:
-    // 700 came from there.
-    ("shared", BEHIND, &["chunk"], 97_900),
+    // 700 came from there. 1,700 are the charts that follow the width of their container, of which 1,000 were in the desk.
+    ("shared", BEHIND, &["chunk"], 99_600),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
@@ -142,9 +142,10 @@ const FIRST_GZIP_BYTES_MAX: usize = 259_400;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
 /// the firmware of each in the virtual motors, take 15,000; what the bus does when a motor of separate frames restarts,
 /// or another model answers late, takes 2,500; what drives a run beside the bus, and loads its program, takes 4,300; what
-/// stops motors that keep their last command takes 16,000, what stops a group before it starts in another loop 1,000.
+/// stops motors that keep their last command takes 16,000, what stops a group before it starts in another loop 1,000, and
+/// what tells a motor without replies from one with corrupted replies 100.
 /// The folder in which it is compiled changes its size by 300.
-const DRIVING_GZIP_BYTES_MAX: usize = 376_500;
+const DRIVING_GZIP_BYTES_MAX: usize = 376_700;
 /// Bound of all parts together in one language. The goal is 560,000: four programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
 /// 32,000, what the bus does when a motor restarts 2,500, a log that can be undone, opened and translated 10,000, names
@@ -158,7 +159,7 @@ const DRIVING_GZIP_BYTES_MAX: usize = 376_500;
 /// zoom and marks of the graph take 15,300, the first screen 4,000, the dock 4,400, a group that starts in any loop 1,500,
 /// the motor in each title 300. 1,300 are names and texts that macros derive: 500 lines less to read.
 /// 1,700 are the cards of a group. The faults of a recording take 2,000, missing replies and legends of runs 700.
-const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_532_000;
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_533_000;
 
 /// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]
