@@ -120,7 +120,10 @@ fn vector(chart: Chart, stage: &Stage, now: LocalTime) -> String {
 
 /// A line of the legend.
 struct Entry {
+    /// Of its line.
     colour: Colour,
+    /// Of its name.
+    words: Colour,
     dashed: bool,
     name: String,
 }
@@ -151,6 +154,8 @@ impl Head {
         let (title, mut entries) = legend(chart, &subject, palette);
         entries.extend(kept.map(|kept| Entry {
             colour: drawing::pale(palette.text, palette.surface),
+            // As pale as its line, it could hardly be read.
+            words: palette.text,
             dashed: false,
             name: kept.name(),
         }));
@@ -189,7 +194,7 @@ impl Head {
                 surface.fill(dash, entry.colour, Opacity::Full);
             }
             let behind = (x + (STROKE + GAP) * pixel, *y);
-            surface.write(&entry.name, behind, Align::Left, entry.colour);
+            surface.write(&entry.name, behind, Align::Left, entry.words);
         }
         let right = f64::from(self.layout.plot.left + self.layout.plot.width);
         let end = (right, LEGEND * pixel / 2.0);
@@ -217,6 +222,7 @@ fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Ent
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
             let entry = |trace| Entry {
                 colour: palette.of(trace),
+                words: palette.of(trace),
                 dashed: trace == Trace::Goal,
                 name: with_unit(trace),
             };
@@ -226,10 +232,14 @@ fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Ent
             )
         }
         Subject::Compared(comparison) => {
-            let entry = |(place, id, _)| Entry {
-                colour: palette.motors.get(place).copied().unwrap_or(palette.text),
-                dashed: false,
-                name: chart.motor_name(id),
+            let entry = |(place, id, _)| {
+                let colour = palette.motors.get(place).copied().unwrap_or(palette.text);
+                Entry {
+                    colour,
+                    words: colour,
+                    dashed: false,
+                    name: chart.motor_name(id),
+                }
             };
             let more = comparison.more().map(|more| format!(" {more}"));
             let title = with_unit(comparison.trace) + &more.unwrap_or_default();
