@@ -181,7 +181,9 @@ fn native_tests(workspace: &Workspace, more: &[&str], is_meant: fn(&str) -> bool
 
 /// Linking the site keeps one core busy for minutes: the tests compile beside it.
 fn build(workspace: &Workspace) -> Result<()> {
-    let mut tests = cargo::native(workspace, "test", &["--no-run"]);
+    // Clippy sees the examples.
+    let targets = ["--no-run", "--lib", "--bins", "--tests"];
+    let mut tests = cargo::native(workspace, "test", &targets);
     let dist = process::run_while(&mut tests, || site::build(workspace, Profile::Release))?;
     bench::check_first_visit(&dist)?;
     // The tests have built the virtual motor. This is the library that shows Chromium its serial line; any other package

@@ -7,7 +7,7 @@
 
 mod crowd;
 mod network;
-#[path = "../../../../../crates/remote-server/tests/support/page.rs"]
+#[path = "../../../../crates/remote-server/tests/support/page.rs"]
 mod page;
 mod server;
 mod stops;
