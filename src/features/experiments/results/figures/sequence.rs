@@ -23,6 +23,6 @@ pub(super) fn add(figures: &mut Figures, found: &[MotorFindings]) {
     });
     figures.row(tr!("Tracking error, worst"), worst);
     figures.says(tr!(
-        "Setpoint less reported value at the same time, over all replies with a setpoint. A step counts in full until the motor has followed."
+        "Setpoint less reported value at the same time, over all replies with a setpoint. A step counts in full until the motor has followed, and so does a pause."
     ));
 }
