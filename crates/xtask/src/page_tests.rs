@@ -12,8 +12,9 @@ use crate::suite;
 use crate::tools;
 use crate::workspace::Workspace;
 
-/// Number of browsers among which the tests of the page are divided.
-const SHARES: usize = 3;
+/// Number of browsers among which the tests of the page are divided. With three on two cores, a page was not drawn for half
+/// a second at a time.
+const SHARES: usize = 2;
 
 /// These tests follow the focus, to which the pages of earlier tests in the same document react too. So they have a
 /// browser to themselves.
@@ -131,8 +132,7 @@ mod tests {
     fn shares_are_about_as_large() {
         let modules = [("a", 6), ("b", 5), ("c", 4), ("d", 3)];
         let modules: Modules = modules.map(|(name, count)| (name.to_owned(), count)).into();
-        assert_eq!(left_out(&modules, 0), ["b", "c", "d"]);
-        assert_eq!(left_out(&modules, 1), ["a", "c", "d"]);
-        assert_eq!(left_out(&modules, 2), ["a", "b"]);
+        assert_eq!(left_out(&modules, 0), ["b", "c"]);
+        assert_eq!(left_out(&modules, 1), ["a", "d"]);
     }
 }

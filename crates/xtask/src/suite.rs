@@ -209,12 +209,18 @@ impl Suite {
 /// When it has no file.
 pub fn idle_program() -> Result<Command> {
     let program = env::current_exe().context("no program to run beside this one")?;
-    if !cfg!(target_os = "linux") {
-        return Ok(Command::new(program));
+    Ok(idle(&Command::new(program)))
+}
+
+/// The same command, on the processor time that nobody else wants, where the system has such a thing.
+pub fn idle(command: &Command) -> Command {
+    let mut idle = Command::new("chrt");
+    if cfg!(target_os = "linux") {
+        idle.args(["--idle", "0"]).arg(command.get_program());
+    } else {
+        idle = Command::new(command.get_program());
     }
-    let mut command = Command::new("chrt");
-    command.args(["--idle", "0"]).arg(program);
-    Ok(command)
+    like(idle, command)
 }
 
 /// A program of this niceness: a higher one gets less processor time while others want it.
@@ -229,18 +235,22 @@ pub fn low_priority(program: impl AsRef<OsStr>, nice: u8) -> Command {
 
 /// The same command at the niceness of what computes beside motors.
 pub fn patient(command: &Command) -> Command {
-    let mut patient = low_priority(command.get_program(), 10);
-    patient.args(command.get_args());
-    for (name, value) in command.get_envs() {
+    like(low_priority(command.get_program(), 10), command)
+}
+
+/// A command with the arguments, the variables and the folder of another one.
+fn like(mut command: Command, other: &Command) -> Command {
+    command.args(other.get_args());
+    for (name, value) in other.get_envs() {
         match value {
-            Some(value) => patient.env(name, value),
-            None => patient.env_remove(name),
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
         };
     }
-    if let Some(dir) = command.get_current_dir() {
-        patient.current_dir(dir);
+    if let Some(dir) = other.get_current_dir() {
+        command.current_dir(dir);
     }
-    patient
+    command
 }
 
 #[cfg(test)]

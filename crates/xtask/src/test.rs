@@ -49,21 +49,6 @@ pub static SUITE: Suite = Suite {
             run: scenarios::run_side_by_side,
         },
         Step {
-            name: "native",
-            about: "tests of the native code, of the page's pure parts, and of the examples in the documentation",
-            needs: &[],
-            beside: Some("wasm"),
-            // What it computes delays neither the page nor what drives motors.
-            nice: 10,
-            on_request: false,
-            run: |workspace| {
-                process::run(&mut native_tests(workspace, &["--lib", "--bins"], |name| {
-                    name != scenarios::PROGRAM && !IN_REAL_TIME.contains(&name)
-                }))?;
-                process::run(&mut cargo::native(workspace, "test", &["--quiet", "--doc"]))
-            },
-        },
-        Step {
             name: "session-readers",
             about: "the readers of Python and of Foxglove read a session file, and each message fits its schema",
             needs: &[],
@@ -104,7 +89,7 @@ pub static SUITE: Suite = Suite {
             about: "the Python package: its wheel, its tests on virtual motors, and its examples",
             needs: &[],
             // It waits for virtual motors more than it computes.
-            beside: Some("native"),
+            beside: Some("wasm"),
             nice: 0,
             on_request: false,
             run: python::test_package,
@@ -114,7 +99,7 @@ pub static SUITE: Suite = Suite {
             about: "tests of the command and of its server, which wait for motors more than they compute",
             needs: &[],
             // Behind the Python package: two at once delay each other's motors.
-            beside: Some("native"),
+            beside: Some("wasm"),
             nice: 0,
             on_request: false,
             run: |workspace| {
@@ -140,6 +125,23 @@ pub static SUITE: Suite = Suite {
             nice: 0,
             on_request: true,
             run: ros::test,
+        },
+        Step {
+            name: "native",
+            about: "tests of the native code, of the page's pure parts, and of the examples in the documentation",
+            needs: &[],
+            beside: Some("end-to-end"),
+            nice: 10,
+            on_request: false,
+            run: |workspace| {
+                // It computes, on the processor time that the browser leaves.
+                let tests = native_tests(workspace, &["--lib", "--bins"], |name| {
+                    name != scenarios::PROGRAM && !IN_REAL_TIME.contains(&name)
+                });
+                process::run(&mut suite::idle(&tests))?;
+                let examples = cargo::native(workspace, "test", &["--quiet", "--doc"]);
+                process::run(&mut suite::idle(&examples))
+            },
         },
         Step {
             name: "checks",
