@@ -57,13 +57,14 @@ impl Counters {
 pub struct LinkQuality {
     /// Drive frames per second over the last second.
     pub command_hz: u16,
-    /// Median round trip of the last exchanges in microseconds; `None` before the first reply.
+    /// Median round trip of the last exchanges in microseconds; `None` before the first reply, and while
+    /// the motor is silent.
     pub round_trip_us: Option<u32>,
-    /// Requests without a good reply among the last 100, in per mille; `None` before the first. A
-    /// late reply is not lost.
+    /// Requests without a good reply among the last 100, in per mille; `None` before the first, and
+    /// while the motor is silent. A late reply is not lost.
     pub loss_per_mille: Option<u16>,
     /// Requests among the last 100 whose reply came after its window, in per mille; `None` before the
-    /// first.
+    /// first, and while the motor is silent.
     pub late_per_mille: Option<u16>,
 }
 

@@ -146,6 +146,18 @@ impl Motor {
         }
     }
 
+    /// Of a silent motor the round trip is of the time before, and the loss grows only with each query, once a second: both
+    /// are unknown.
+    fn link(&self, now: Instant) -> LinkQuality {
+        let answers = !self.answer.is_silent();
+        LinkQuality {
+            command_hz: self.drive_frames.hertz(now),
+            round_trip_us: self.round_trip.median_us().filter(|_| answers),
+            loss_per_mille: self.loss.per_mille().filter(|_| answers),
+            late_per_mille: self.loss.late_per_mille().filter(|_| answers),
+        }
+    }
+
     pub(crate) fn status(&self, now: Instant) -> MotorStatus {
         MotorStatus {
             id: self.id,
@@ -160,12 +172,7 @@ impl Motor {
             answer: self.answer,
             may_turn: self.may_turn(),
             turns_unasked: self.is_free() && self.turning_unasked.is_shown(),
-            link: LinkQuality {
-                command_hz: self.drive_frames.hertz(now),
-                round_trip_us: self.round_trip.median_us(),
-                loss_per_mille: self.loss.per_mille(),
-                late_per_mille: self.loss.late_per_mille(),
-            },
+            link: self.link(now),
             counters: self.counters,
         }
     }
