@@ -6,7 +6,7 @@ use web_sys::{Element, HtmlElement, MouseEvent};
 
 /// Replaces the HTML of a list and keeps the focus of a keyboard user: the element with the same value of `attribute`
 /// gets it again.
-pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &str) {
+pub(crate) fn replace_keeping_focus(list: &Element, html: &str, attribute: &str) {
     let held = document()
         .active_element()
         .filter(|focused| list.contains(Some(focused)))

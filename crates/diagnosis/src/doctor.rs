@@ -12,7 +12,7 @@
 //! | damaged replies only while it turns | no termination, no common ground |
 //! | damaged replies at rest too | a long or loose line |
 //! | lost replies, and hardly any damaged | a contact, a supply that dips, bytes that the adapter drops |
-//! | replies of 16 ms | the latency timer of an FTDI adapter |
+//! | replies of 16 ms, or most replies late | the latency timer of an FTDI adapter |
 //! | good frames of a motor that was not asked | a second host |
 
 use motorlink_bus::RoundTripStatus;
@@ -59,6 +59,8 @@ const STRANGERS_MIN: u32 = 3;
 
 /// Round trips of a timer of 16 ms, which may have run for a while when the reply comes.
 const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
+/// Most of such round trips are longer than 14 ms: these bins of the histogram end at 18 and 25 ms.
+pub(crate) const LATENCY_TIMER_ENDS_US: [u32; 2] = [18_000, 25_000];
 
 /// What is likely to be wrong, most likely first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -147,6 +149,11 @@ pub struct Findings {
     pub computer_is_late: bool,
     /// Of the last 256 replies.
     pub round_trip: RoundTripStatus,
+    /// Replies in the last four seconds, and how many more of the last 256 took 14 to 25 ms than before. The median of an
+    /// idle motor follows after 13 s.
+    pub newly_answered: u32,
+    /// See `newly_answered`.
+    pub newly_delayed: u32,
 }
 
 /// What is likely to be wrong with a line on which this happened.
@@ -201,8 +208,11 @@ pub fn diagnose(findings: &Findings) -> Verdict {
     }
     let answered: u32 = motors.iter().map(|motor| motor.recent.answered).sum();
     let median = findings.round_trip.median_us;
-    let slow = median.is_some_and(|median_us| LATENCY_TIMER_US.contains(&median_us));
-    if slow && answered >= ANSWERED_TO_BE_SLOW {
+    let slow = median.is_some_and(|median_us| LATENCY_TIMER_US.contains(&median_us))
+        || findings.newly_delayed.saturating_mul(2) > findings.newly_answered;
+    // Of several motors most replies may come while the next one is asked.
+    let mostly_late = all.asked >= ASKED_TO_BE_KNOWN && all.late.saturating_mul(2) > all.asked;
+    if (slow && answered >= ANSWERED_TO_BE_SLOW) || mostly_late {
         found.add(Diagnosis::LatencyTimer);
     }
     if !found.0.is_empty() {

@@ -205,6 +205,17 @@ fn what_happened_has_its_likely_cause() {
             vec![Diagnosis::LatencyTimer],
         ),
         (
+            "four motors whose replies are late",
+            line(&[1, 2, 3, 4].map(|id| {
+                let late = Tally {
+                    late: 75,
+                    ..tally(100, 75, 0)
+                };
+                standing(MotorId::new(id).unwrap(), late)
+            })),
+            vec![Diagnosis::LatencyTimer],
+        ),
+        (
             "replies of 16 ms, and many lost",
             with_median(16_000, alone(tally(100, 0, 20))),
             vec![Diagnosis::Damaged, Diagnosis::LatencyTimer],

@@ -2,11 +2,15 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Counters, FRESH_FOR, LineStatus, MotorStatus, RoundTripStatus};
+use motorlink_bus::{
+    Counters, FRESH_FOR, LineStatus, MotorStatus, ROUND_TRIP_BINS_US, RoundTripStatus,
+};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
-    doctor::{Findings, MotorFindings, Verdict, diagnose, header_says_lossy},
+    doctor::{
+        Findings, LATENCY_TIMER_ENDS_US, MotorFindings, Verdict, diagnose, header_says_lossy,
+    },
     tally::Tally,
 };
 
@@ -70,6 +74,8 @@ pub struct Record {
     second: u32,
     /// Oldest first.
     entries: Vec<Entry>,
+    /// Replies with the delay of a latency timer among the last 256, at each of the last looks, oldest first.
+    delayed: Vec<u32>,
     verdict: Verdict,
 }
 
@@ -82,6 +88,8 @@ impl Record {
     const SECONDS_MAX: u32 = 60;
     /// A diagnosis is of the present.
     pub const RECENT: u32 = 10;
+    /// In this time a slow adapter is noticed.
+    const NEW: u32 = 4;
     /// Two queries of an idle motor: what is lost of a second that ends so may be the beginning of a silence.
     const OVERDUE_AFTER: Duration = Duration::from_millis(200);
 
@@ -136,6 +144,9 @@ impl Record {
         }
         if elapsed.is_some_and(|elapsed| elapsed <= Self::EVERY_MAX) {
             self.count(&seen);
+            self.delayed.push(delayed_of(&line.status.round_trip));
+            let kept = self.delayed.len().saturating_sub(Self::NEW as usize + 1);
+            self.delayed.drain(..kept);
             let mut findings = self.findings(&seen, line.status.round_trip);
             findings.computer_is_late = line.status.late_hz >= LATE_MIN_HZ;
             self.verdict = diagnose(&findings);
@@ -150,9 +161,9 @@ impl Record {
         &self.verdict
     }
 
-    /// What happened to all motors in the last ten seconds.
+    /// What happened to all motors in the last seconds, at most ten, and how many seconds these were.
     #[must_use]
-    pub fn judged(&self) -> Tally {
+    pub fn judged(&self) -> (u32, Tally) {
         let mut judged = Tally::default();
         let recent = |entry: &&Entry| entry.second + Self::RECENT > self.second;
         for entry in self.entries.iter().filter(recent) {
@@ -160,7 +171,8 @@ impl Record {
                 judged += entry.tally;
             }
         }
-        judged.with_requests_of_before()
+        let seconds = self.second.min(Self::RECENT);
+        (seconds, judged.with_requests_of_before())
     }
 
     /// Another second is over.
@@ -185,10 +197,16 @@ impl Record {
     }
 
     fn findings(&self, seen: &[Seen], round_trip: RoundTripStatus) -> Findings {
+        let of_motors = self.entries.iter().filter(|entry| entry.id.is_some());
+        let new = of_motors.filter(|entry| entry.second + Self::NEW > self.second);
         let mut findings = Findings {
             round_trip,
+            newly_answered: new.map(|entry| entry.tally.answered).sum(),
             ..Findings::default()
         };
+        if let [before, .., now] = *self.delayed {
+            findings.newly_delayed = now.saturating_sub(before);
+        }
         for now in seen {
             let [mut recent, mut standing, mut turning] = [Tally::default(); 3];
             let [mut heard, mut quiet] = [Tally::default(); 2];
@@ -235,6 +253,12 @@ impl Record {
         }
         findings
     }
+}
+
+fn delayed_of(round_trip: &RoundTripStatus) -> u32 {
+    let bins = ROUND_TRIP_BINS_US.iter().zip(&round_trip.histogram);
+    let delayed = bins.filter(|(end_us, _)| LATENCY_TIMER_ENDS_US.contains(end_us));
+    delayed.map(|(_, count)| u32::from(*count)).sum()
 }
 
 /// How a wheel is at this moment.

@@ -196,6 +196,30 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
 }
 
 #[test]
+fn a_line_that_becomes_slow_is_called_slow() {
+    let mut bus = RecordedBus::new(LineCondition::Good);
+    assert_eq!(*bus.run(20), Verdict::Healthy);
+    bus.world
+        .set_line_condition(bus.now, LineCondition::HoldsBytes);
+    let verdicts = course(&mut bus, 30);
+    let slow = Verdict::Faulty(vec![Diagnosis::LatencyTimer]);
+    let is_slow = |verdict: &Verdict| *verdict == slow;
+    assert!(verdicts[3..].iter().all(is_slow), "{verdicts:?}");
+}
+
+#[test]
+fn the_figures_name_the_time_that_they_cover() {
+    let mut bus = RecordedBus::new(LineCondition::Good);
+    bus.run(5);
+    let (seconds, judged) = bus.record.judged();
+    assert_eq!((seconds, judged.asked), (4, judged.answered));
+    bus.run(10);
+    assert_eq!(bus.record.judged().0, 10);
+    bus.record.clear();
+    assert_eq!(bus.record.judged(), (0, Tally::default()));
+}
+
+#[test]
 fn noise_that_grows_with_speed_is_not_called_healthy_while_the_wheel_turns() {
     for rpm in [40, 60, 100, 150] {
         for rest in [2, 6, 12] {

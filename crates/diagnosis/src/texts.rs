@@ -28,12 +28,13 @@ pub fn some_lost() -> &'static str {
     tr!("Some replies are lost or corrupted: too few to find a cause.")
 }
 
-/// The figures of the last ten seconds, from which the doctor judges the line. Empty before the first request.
+/// The figures of the last seconds, at most ten, from which the doctor judges the line. Empty before the first request.
 #[must_use]
-pub fn judged(judged: Tally) -> String {
+pub fn judged((seconds, judged): (u32, Tally)) -> String {
     let Tally {
         asked,
         silent,
+        late,
         garbled,
         ..
     } = judged;
@@ -41,9 +42,11 @@ pub fn judged(judged: Tally) -> String {
         return String::new();
     }
     tr!(
-        "Last 10 s: {asked} requests, {silent} without a reply, {garbled} with a corrupted reply.",
+        "Last {seconds} s: {asked} requests; replies: {lost} lost, {late} late, {garbled} corrupted.",
+        seconds,
         asked,
-        silent,
+        lost = silent.saturating_sub(late),
+        late,
         garbled
     )
 }
@@ -106,7 +109,7 @@ pub fn remedy(diagnosis: Diagnosis, advice: &Advice) -> Vec<&'static str> {
         ],
         Diagnosis::NoiseGrowsWithSpeed => vec![
             tr!("Motor current interferes with the bus."),
-            tr!("If the bus is longer than 1 m, add 120 Ω across A and B at both ends."),
+            tr!("If the bus is longer than 1 m, add 120 Ω across A and B at the far end."),
             tr!("Connect adapter GND and supply GND with a short wire."),
             tr!("Use a twisted pair for A and B, away from the motor's power wires."),
         ],

@@ -150,20 +150,37 @@ fn motors(session: &Session) -> String {
     }
     push(&mut html, &["</tr></thead><tbody>"]);
     for motor in &session.motors {
-        push_row(&mut html, &motor.id.to_string(), &motor.counters);
+        let lost = motor.counters.silences.saturating_sub(motor.counters.late);
+        push_row(
+            &mut html,
+            &motor.id.to_string(),
+            &motor.counters,
+            &grouped(lost),
+        );
     }
     if let Some(line) = &session.line {
-        push_row(&mut html, tr!("Others"), &line.unaddressed);
+        // What a scan asks at an address without a motor is not lost.
+        push_row(&mut html, tr!("Others"), &line.unaddressed, UNKNOWN);
     }
     push(&mut html, &["</tbody>"]);
     html
 }
 
-fn push_row(html: &mut String, name: &str, counters: &Counters) {
-    push(html, &["<tr><th scope=\"row\">", name, "</th>"]);
+fn push_row(html: &mut String, name: &str, counters: &Counters, lost: &str) {
+    let replies = grouped(counters.replies);
+    push(
+        html,
+        &[
+            "<tr><th scope=\"row\">",
+            name,
+            "</th><td>",
+            &replies,
+            "</td><td>",
+            lost,
+            "</td>",
+        ],
+    );
     for count in [
-        counters.replies,
-        counters.silences.saturating_sub(counters.late),
         counters.late,
         garbled(counters),
         counters.not_asked,

@@ -54,6 +54,8 @@ pub(crate) fn panel() -> String {
             tr!(
                 "Two motors with one ID: the page stops the motor first, because both obey its frames."
             ),
+            "</p><p class=\"quiet\">",
+            tr!("Simulated CRC errors rise with speed: drive the motor to see them."),
             r#"</p><output class="link-carries" aria-label=""#,
             tr!("Bus capacity"),
             r#""></output><div class="link-figures">"#,

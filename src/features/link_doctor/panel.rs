@@ -13,6 +13,7 @@ use crate::{
     model::{page::Page, place::Place},
     ui::{
         frame_rate::frame_rate,
+        list::replace_keeping_focus,
         panel::panel,
         reactive::{effect, handler},
     },
@@ -104,7 +105,7 @@ impl Elements {
             if record.look(line)
                 && let Some(doctor) = &mut self.doctor
             {
-                doctor.write(markup::verdict(record.verdict()));
+                doctor.write_with_links(markup::verdict(record.verdict()));
                 if let Some(judged) = &mut self.judged {
                     judged.write(words_of(record.judged()));
                 }
@@ -152,6 +153,14 @@ impl Text {
     fn write(&mut self, html: String) {
         if self.written != html {
             self.element.set_inner_html(&html);
+            self.written = html;
+        }
+    }
+
+    /// The link to the same part of the help keeps the focus.
+    fn write_with_links(&mut self, html: String) {
+        if self.written != html {
+            replace_keeping_focus(&self.element, &html, "data-help");
             self.written = html;
         }
     }
