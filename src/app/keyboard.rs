@@ -8,7 +8,7 @@ use std::{
 use leptos::prelude::*;
 use motorlink_messages::bus::StopReason;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, Event, HtmlElement, HtmlInputElement, KeyboardEvent, MouseEvent, Window};
+use web_sys::{Element, Event, HtmlElement, HtmlInputElement, KeyboardEvent, MouseEvent};
 
 use crate::{
     app::features::Features,
@@ -19,7 +19,7 @@ use crate::{
         replay::{self, Crossing},
         snapshot::Session,
     },
-    ui::listener::on_window,
+    ui::listener::{is_of_window, on_window},
 };
 
 thread_local! {
@@ -51,10 +51,7 @@ pub(crate) fn listen(features: Features) {
     }
     // Events of elements that lose the focus too: a release without its press stops.
     on_window("blur", move |event| {
-        if event
-            .target()
-            .is_some_and(|target| target.is_instance_of::<Window>())
-        {
+        if is_of_window(&event) {
             stop_keys.set(StopKeys::default());
         }
     });

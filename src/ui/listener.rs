@@ -35,6 +35,12 @@ pub(crate) fn on_window(name: &'static str, handle: impl FnMut(Event) + 'static)
     }
 }
 
+/// Whether the window itself has lost the focus, and not an element in it.
+pub(crate) fn is_of_window(blur: &Event) -> bool {
+    let target = blur.target();
+    target.is_some_and(|target| target.is_instance_of::<Window>())
+}
+
 impl Drop for Listener {
     fn drop(&mut self) {
         let callback = self.closure.as_ref().unchecked_ref();

@@ -29,7 +29,7 @@ use crate::{
     model::{guards::in_loop_blocked_by, snapshot::Session, terms},
     ui::{
         clock::{act_ms, page_now_ms},
-        listener::on_window,
+        listener::{is_of_window, on_window},
         reactive::effect,
     },
 };
@@ -49,7 +49,11 @@ impl Experiments {
                 self.post(&ToRun::FocusLost);
             }
         };
-        on_window("blur", move |_| lost());
+        on_window("blur", move |event| {
+            if is_of_window(&event) {
+                lost();
+            }
+        });
         // It reaches the window from the document.
         on_window("visibilitychange", move |_| {
             if document().hidden() {
