@@ -1,8 +1,8 @@
 //! Keeps the focus of a keyboard user on the page.
 //!
 //! A browser drops the focus when the focused control is hidden, disabled or removed: the next Tab begins anywhere, and
-//! a screen reader loses its place. Then the focus goes to the control that opened the panel or dialog, or to the panel
-//! around the control. After Release it goes to no button: another Enter would press it.
+//! a screen reader loses its place. Then the focus goes to the control that opened the panel or dialog, to another
+//! button of a run, or to the panel around the control. After Release it goes to no button: another Enter would press it.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -25,6 +25,11 @@ const OPENED: &str = ".opened, [role=dialog], [role=alertdialog]";
 
 /// What takes the focus of a control in it. The header does not: from there the focus goes to the controls.
 const AROUND: &str = "section, [role=tabpanel], .tour, [role=dialog]";
+
+/// The buttons of a run. The first of them that can be pressed takes a dropped focus: from Run it goes to Pause. Run itself
+/// does not take it, so that another Enter on Arm starts nothing.
+const RUN_BUTTONS: &str = ".run-bar > .run-buttons";
+const NOT_RUN: &str = "button:enabled:not(.primary)";
 
 /// The desk, for everything else.
 const CONTROLS: &str = "#control";
@@ -61,11 +66,13 @@ pub(crate) fn keep(page: Page) {
     on("keydown", |held, _| held.by_pointer = false);
     on("keyup", |_, _| ());
     on_window("keydown", |event| {
-        if let Ok(key) = event.dyn_into::<KeyboardEvent>()
-            && key.alt_key()
-            && key.code().starts_with("Digit")
-        {
+        let Ok(key) = event.dyn_into::<KeyboardEvent>() else {
+            return;
+        };
+        if key.alt_key() && key.code().starts_with("Digit") {
             in_two_frames(move || enter_place(&key));
+        } else if key.key() == "Enter" && !key.repeat() {
+            tick_box();
         }
     });
     check_soon(&held);
@@ -150,10 +157,16 @@ impl Held {
             Some(opened) if !opened.matches(".stopped").unwrap_or(false) => present(&self.opener),
             _ => None,
         };
+        let buttons = was_in(RUN_BUTTONS);
+        let beside = buttons.and_then(|buttons| buttons.query_selector(NOT_RUN).ok().flatten());
         let around = self.path.iter().skip(1);
         let around = around.filter(|element| element.matches(AROUND).unwrap_or(false));
         let controls = document().query_selector(CONTROLS).ok().flatten();
-        opener.into_iter().chain(around.cloned()).chain(controls)
+        opener
+            .into_iter()
+            .chain(beside)
+            .chain(around.cloned())
+            .chain(controls)
     }
 }
 
@@ -190,6 +203,14 @@ fn pass_on_if_dropped(held: &RefCell<Held>) {
     let next: Vec<Element> = held.borrow().next().collect();
     // No longer borrowed: moving the focus is noted.
     let _ = next.iter().find(|element| focus_on(element, Scroll::None));
+}
+
+/// Space stops while anything is driven, so that Enter ticks the box that has the focus.
+fn tick_box() {
+    let focused = document().query_selector("[type=checkbox]:focus");
+    if let Some(Ok(input)) = focused.ok().flatten().map(Element::dyn_into::<HtmlElement>) {
+        input.click();
+    }
 }
 
 /// A browser drops the focus after the frame in which the control is hidden.

@@ -144,11 +144,11 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
     hosts.mount(move || view! { <OpenLoopTab drive=features.drive /> }),
+    hosts.mount(move || notices(features)),
     {
         let rover = Rover::of_page(&hosts.owner, features.page);
         hosts.mount(move || view! { <RoverPanel rover /> })
     },
-    hosts.mount(move || notices(features)),
     hosts.mount(move || {
         view! {
             <Dock />

@@ -112,6 +112,11 @@ pub(crate) const SECTIONS: [(Area, Section); 27] = [
         Section::Later(Part::Desk, Frame::Tab(Mode::OpenLoop)),
     ),
     (Area::TabPanels, Section::Later(Part::Tools, Frame::Nothing)),
+    // Above the places, with the tour.
+    (
+        Area::Desk,
+        Section::Later(Part::Desk, Frame::Panel("panel notices", |_| true)),
+    ),
     in_place("panel place first", |page| page.place() == Place::Setup),
     in_place("panel place second", |page| page.place() == Place::Setup),
     in_place("panel place first", |page| page.place() == Place::Diagnose),
@@ -139,10 +144,6 @@ pub(crate) const SECTIONS: [(Area, Section); 27] = [
     ),
     // In the place of the wheel.
     (Area::Desk, Section::Later(Part::Desk, Frame::Nothing)),
-    (
-        Area::Desk,
-        Section::Later(Part::Desk, Frame::Panel("panel notices", |_| true)),
-    ),
     (
         Area::Desk,
         Section::Later(Part::Desk, Frame::Panel("panel graph-panel", |_| true)),

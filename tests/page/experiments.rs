@@ -19,7 +19,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, EventInit, HtmlInputElement};
 
 use crate::{
-    bench::{Bench, now, pause, press, text_of},
+    bench::{Bench, document, now, pause, press, text_of},
     limits::leave,
     tools::report,
 };
@@ -88,7 +88,7 @@ fn in_panel(bench: &Bench, name: &str) -> Vec<web_sys::HtmlElement> {
 }
 
 fn cell(name: &str) -> HtmlInputElement {
-    let found = crate::bench::document()
+    let found = document()
         .query_selector(&format!("[data-cell='{name}']"))
         .unwrap();
     found.unwrap().unchecked_into()
@@ -121,12 +121,17 @@ async fn arming_shows_what_will_move_and_only_run_starts_it() {
         assert!(shown.contains(words), "{words}: {shown}");
     }
     assert!(told(&bench).await.is_empty(), "nothing starts by itself");
+    press("Tab");
+    bench.find("button", "Run").focus().unwrap();
     bench.click("Run");
     let told_now = told(&bench).await;
     assert_eq!(told_now, [ToRun::Start { run: number }]);
     say(&bench, &state(number, Phase::Running, Some(now())));
     bench.until("Pause", || !is_disabled(&bench, "Pause")).await;
     assert!(is_disabled(&bench, "Run") && is_disabled(&bench, "Arm"));
+    let focused = || document().active_element().and_then(|at| at.text_content());
+    let is_on_pause = || focused().as_deref() == Some("Pause");
+    bench.until("the focus on Pause", is_on_pause).await;
     in_panel(&bench, "Pause")[0].click();
     assert_eq!(told(&bench).await, [ToRun::Pause]);
     say(&bench, &state(number, Phase::Paused, Some(now())));
@@ -361,7 +366,7 @@ async fn ten_thousand_steps_do_not_fill_the_page() {
     for row in 0..10_000 {
         writeln!(rows, "{}.{:02},{}", row / 50, row % 50 * 2, row % 100).unwrap();
     }
-    let input = crate::bench::document()
+    let input = document()
         .query_selector(".experiment-fields input[type=file]")
         .unwrap()
         .unwrap();
@@ -370,9 +375,7 @@ async fn ten_thousand_steps_do_not_fill_the_page() {
     bench
         .until("the rows", || count().as_deref() == Some("10001"))
         .await;
-    let drawn = crate::bench::document()
-        .query_selector_all(".step-row")
-        .unwrap();
+    let drawn = document().query_selector_all(".step-row").unwrap();
     assert!(drawn.length() < 100, "{} rows are drawn", drawn.length());
     // A file that is wrong changes nothing.
     choose_file(
@@ -438,7 +441,7 @@ async fn when_frames_cease_is_armed_with_its_warning_and_its_result_is_in_the_ro
     });
     bench.received().await;
     let row = || {
-        let list = crate::bench::document().query_selector(".found-list");
+        let list = document().query_selector(".found-list");
         list.unwrap().unwrap().text_content().unwrap()
     };
     bench

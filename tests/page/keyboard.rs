@@ -63,6 +63,25 @@ async fn space_while_driven_stops_whatever_has_the_focus() {
     assert_eq!(bench.commands().await, []);
 }
 
+/// Space stops then.
+#[wasm_bindgen_test]
+async fn enter_ticks_a_box_while_a_motor_is_driven() {
+    let bench = driven("enter-box").await;
+    focus(&bench, "checkbox", "Auto-scroll");
+    let ticked = || {
+        let found = document().query_selector("[type=checkbox]:focus:checked");
+        found.unwrap().is_some()
+    };
+    assert!(ticked());
+    for expected in [false, true] {
+        dispatch_key("keydown", "Enter", false);
+        // Held, it is one press.
+        dispatch_key("keydown", "Enter", true);
+        assert_eq!(ticked(), expected);
+    }
+    assert_eq!(bench.commands().await, []);
+}
+
 /// A browser presses a button when Space comes up.
 #[wasm_bindgen_test]
 async fn a_space_that_stopped_presses_nothing_when_it_comes_up_behind_the_standstill() {

@@ -6,7 +6,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::HtmlElement;
 
 use crate::{
-    bench::{Bench, pause, text_of},
+    bench::{Bench, pause, press, text_of},
     log_bench::{numbers, page, rows},
 };
 
@@ -93,6 +93,9 @@ async fn auto_scroll_goes_on_when_the_focus_has_passed_by() {
     bench
         .until("a list at rest", || !auto_scrolls(&bench))
         .await;
+    // Backwards too.
+    press("Shift");
+    press("Tab");
     filter.focus().unwrap();
     bench
         .until("the newest again", || auto_scrolls(&bench))

@@ -101,7 +101,11 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                 node_ref=scroller
                 on:scroll=handler(scroll)
                 // Before the list starts to move, for example by a key.
-                on:keydown=handler(move |event: KeyboardEvent| touch(event.key() == "Tab"))
+                on:keydown=handler(move |event: KeyboardEvent| {
+                    let key = event.key();
+                    let moves = ["Arrow", "Page", "Home", "End", " ", "Enter"];
+                    touch(!moves.iter().any(|name| key.starts_with(name)));
+                })
                 on:wheel=handler(move |_| touch(false))
                 on:pointerdown=handler(move |_| touch(false))
             >

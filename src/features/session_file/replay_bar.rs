@@ -38,6 +38,9 @@ pub(super) fn show_bar(owner: &Owner, player: Player) {
             move || {
                 player.page.language.track();
                 let info = player.info.get();
+                if info.is_some() {
+                    request_animation_frame(enter);
+                }
                 info.map(|info| bar(player, &info))
             }
         })
@@ -250,12 +253,24 @@ fn name(per_mille: u32) -> String {
     in_language([digits.trim_end_matches('0'), "×"].concat())
 }
 
+/// The button that began the replay ends it now. If it has the focus, the focus goes to Play.
+fn enter() {
+    let focused = document().active_element();
+    if focused.is_some_and(|focused| focused.matches(".session-head .primary") == Ok(true)) {
+        focus(".replay-play");
+    }
+}
+
 /// The button that had the focus is gone.
 fn focus_controls() {
-    let controls = document().get_element_by_id("control");
-    if let Some(controls) = controls.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+    focus("#control");
+}
+
+fn focus(selector: &str) {
+    let found = document().query_selector(selector).ok().flatten();
+    if let Some(control) = found.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
         // If it cannot be focused, the browser decides.
-        let _ = controls.focus();
+        let _ = control.focus();
     }
 }
 

@@ -111,10 +111,15 @@ async fn replaying(name: &str) -> (FakeSessions, Bench) {
     (sessions, bench)
 }
 
+/// By the keyboard: the focus goes on to the bar.
 async fn begin(sessions: &FakeSessions, bench: &Bench) {
+    bench.find("button", "Replay").focus().unwrap();
     bench.click("Replay");
     assert_eq!(sessions.next().await.0, ToSessions::Replay(ToReplay::Begin));
     begun(sessions, bench).await;
+    let focused = || document().active_element().and_then(|at| at.text_content());
+    let is_on_play = || focused().as_deref() == Some("Play");
+    bench.until("the focus on Play", is_on_play).await;
 }
 
 async fn begun(sessions: &FakeSessions, bench: &Bench) {
