@@ -100,7 +100,7 @@ pub(crate) fn not_together(why: GroupError) -> String {
 /// Why the bus refuses a command.
 pub(crate) fn refusal(refusal: Refusal) -> String {
     match refusal {
-        Refusal::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
+        Refusal::Halted => tr!("STOP is active. Press Release to drive again.").to_owned(),
         Refusal::NotAnswering(id) => tr!(
             "Motor {id} has not replied, so its loop is unknown. Check its power and ID.",
             id

@@ -9,7 +9,7 @@ use crate::limits::ExceededLimit;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Refusal {
     /// Stop all motors is in force until Release.
-    #[error("All motors are stopped. Press Release to drive again.")]
+    #[error("STOP is active. Press Release to drive again.")]
     Halted,
     /// No reply within the last 500 ms, so the motor's loop is unknown.
     #[error("Motor {0} has not replied, so its loop is unknown. Check its power and ID.")]

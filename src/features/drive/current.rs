@@ -130,10 +130,10 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
         </p>
         <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
-            {stop_and_start(drive, MODE, tr!("Sets 0 A: the wheel coasts"), start_blocked_by)}
+            {stop_and_start(drive, MODE, tr!("In the current loop: 0 A, the wheel coasts"), start_blocked_by)}
         </div>
     };
-    let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");
+    let hint = tr!("In the current loop, Stop sets 0 A: the wheel coasts. STOP brakes it.");
     loop_panel(drive, MODE, start_blocked_by, hint.to_owned().into(), body)
 }
 

@@ -253,7 +253,7 @@ pub(super) fn not_armed(why: &NotArmed) -> String {
         NotArmed::NotConnected => {
             tr!("Not connected. Press Connect motor or Virtual motor.").to_owned()
         }
-        NotArmed::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
+        NotArmed::Halted => tr!("STOP is active. Press Release to drive again.").to_owned(),
         NotArmed::Running => tr!("A run is in progress. Abort it first.").to_owned(),
         NotArmed::Busy => {
             tr!("A motor is in use, or a scan is running. Stop it, then press Arm again.")

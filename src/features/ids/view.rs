@@ -52,9 +52,15 @@ pub(crate) fn IdManagerPanel(ids: Ids) -> impl IntoView {
         let count = more.get().unwrap_or_default().count();
         tr!("Send {count} frames", count)
     };
-    let hint = Signal::derive(move || match assignable(new_id.get()) {
-        Some(to) => tr!("{decimal} = {hex}", decimal = to.id().get(), hex = to.id()),
-        None => tr!("1 to 254, decimal or 0x hex").to_owned(),
+    let hint = Signal::derive(move || {
+        // What blocks a scan too is said elsewhere.
+        let only_change = change_blocked_by
+            .get()
+            .filter(|_| blocked.with(Option::is_none));
+        only_change.unwrap_or_else(|| match assignable(new_id.get()) {
+            Some(to) => tr!("{decimal} = {hex}", decimal = to.id().get(), hex = to.id()),
+            None => tr!("1 to 254, decimal or 0x hex").to_owned(),
+        })
     });
     panel(
         "panel place first id-manager",

@@ -165,7 +165,7 @@ fn next_steps(session: &Session, id: MotorId, when_silent: Option<WhenSilent>) -
         ],
         Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
-            &[tr!("All motors are stopped. Press Release to drive again.")]
+            &[tr!("STOP is active. Press Release to drive again.")]
         }
         Connection::Connected(_) => {
             let mut steps = vec![next_with_motor(session, id)];

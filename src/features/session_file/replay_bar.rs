@@ -95,7 +95,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     // Live, a dialog says it.
     let what = move || {
         if halted.get() {
-            tr!("All motors stopped, until Release").to_owned()
+            tr!("STOP is active until Release").to_owned()
         } else {
             name.clone()
         }

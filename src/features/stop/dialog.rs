@@ -32,7 +32,10 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
     let reason = move || {
         page.shown.with(|session| {
             let reason = session.stop.as_ref().map(|stop| stop.reason);
-            reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
+            reason.map_or(
+                tr!("STOP is active. Press Release to drive again."),
+                notice_texts::of_stop_reason,
+            )
         })
     };
     let rows = move || page.shown.with(table_rows);

@@ -197,7 +197,7 @@ async fn a_recorded_stop_of_all_motors_is_said_in_the_bar_and_opens_no_dialog() 
     let is_said = || {
         bench
             .text("region", "Replay")
-            .contains("All motors stopped, until Release")
+            .contains("STOP is active until Release")
     };
     bench.until("the stop", is_said).await;
     assert!(bench.find_all("alertdialog", "Stopped").is_empty());
