@@ -4,7 +4,7 @@ use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     experiments::{
-        chart::{AxisName, Chart, Line, Look, RUNS_MAX},
+        chart::{AxisName, Chart, HEIGHT_MAX, Line, Look, RUNS_MAX},
         plan::{POINTS_MAX, Plan},
         runner::{Mark, Sample},
         sequence::Quantity,
@@ -24,6 +24,9 @@ use crate::{
 const COLUMNS: usize = 600;
 /// The last colour of a chart. The others are for the motors, again from the first if there are more.
 const SETPOINT_COLOUR: usize = RUNS_MAX - 1;
+
+/// A chart that is less wide has its full height.
+const NARROW_PX: i32 = 500;
 
 /// Least and greatest value of each column.
 type Columns = Vec<Option<(f64, f64)>>;
@@ -121,7 +124,12 @@ impl Live {
 
 /// Charts, one below the other, in the width of their container: so their texts have the size of other texts.
 #[component]
-pub(super) fn Charts(charts: Box<dyn Fn() -> Vec<Chart>>, label: Signal<String>) -> impl IntoView {
+pub(super) fn Charts(
+    charts: Box<dyn Fn() -> Vec<Chart>>,
+    label: Signal<String>,
+    /// Of each chart, without its legend.
+    height_max: Signal<f64>,
+) -> impl IntoView {
     let place = NodeRef::<Div>::new();
     let width = RwSignal::new(720);
     let watch = StoredValue::new_local(None::<SizeWatch>);
@@ -134,7 +142,14 @@ pub(super) fn Charts(charts: Box<dyn Fn() -> Vec<Chart>>, label: Signal<String>)
             place.set_hidden(charts.is_empty());
             for chart in charts {
                 // A builder that escapes every text.
-                chart.svg(&texts::axis, width.get().into()).write(&mut html);
+                // A narrow page scrolls anyway.
+                let height_max = if width.get() < NARROW_PX {
+                    HEIGHT_MAX
+                } else {
+                    height_max.get()
+                };
+                let svg = chart.svg(&texts::axis, width.get().into(), height_max);
+                svg.write(&mut html);
             }
         });
         place.set_inner_html(&html);

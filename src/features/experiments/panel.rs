@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::experiments::{plan::Plan, study::StudyKind};
+use motorlink_messages::experiments::{chart::HEIGHT_MAX, plan::Plan, study::StudyKind};
 use wasm_bindgen::JsCast;
 use web_sys::KeyboardEvent;
 
@@ -29,6 +29,9 @@ use crate::{
         tab_panel::tab_id,
     },
 };
+
+/// The height of the charts of a sequence. At 1440 x 900 px they are in sight, with the first steps above them.
+const HEIGHT_MAX_BELOW_STEPS: f64 = 164.0;
 
 /// The id of the panel of all tabs.
 const STUDY_PANEL: &str = "panel-experiments";
@@ -214,5 +217,9 @@ fn Curves(of: Experiments) -> impl IntoView {
         });
         tr!("Setpoints over {time}", time = longest)
     });
-    view! { <Charts charts=Box::new(charts) label /> }
+    let height_max = Signal::derive(move || match of.tab.get() {
+        ExperimentTab::Sequence => HEIGHT_MAX_BELOW_STEPS,
+        _ => HEIGHT_MAX,
+    });
+    view! { <Charts charts=Box::new(charts) label height_max /> }
 }

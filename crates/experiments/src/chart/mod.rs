@@ -13,7 +13,7 @@ mod svg;
 pub use axis::Axis;
 pub use of_findings::{charts, compared_charts};
 pub(crate) use svg::WIDTH;
-pub use svg::{STYLE, file};
+pub use svg::{HEIGHT_MAX, STYLE, file};
 
 /// Maximal number of runs over each other, and of colours.
 pub const RUNS_MAX: usize = 8;

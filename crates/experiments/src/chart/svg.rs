@@ -8,8 +8,8 @@ use super::{Chart, Line, Look, Names};
 
 /// The width of a chart in a file. Text size is 12 units.
 pub(crate) const WIDTH: f64 = 720.0;
-/// Height without a legend, at most.
-const HEIGHT_MAX: f64 = 340.0;
+/// The greatest height without a legend.
+pub const HEIGHT_MAX: f64 = 340.0;
 /// Space for the labels: left, top, right, bottom.
 const MARGIN: [f64; 4] = [64.0, 30.0, 16.0, 44.0];
 /// Height of a row of the legend.
@@ -34,7 +34,10 @@ pub const STYLE: &str = ".chart text{font:12px system-ui,sans-serif;fill:#5a6474
 /// Charts below each other as one SVG file.
 #[must_use]
 pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
-    let charts: Vec<Drawing> = charts.iter().map(|chart| chart.of_width(WIDTH)).collect();
+    let charts: Vec<Drawing> = charts
+        .iter()
+        .map(|chart| chart.of_size(WIDTH, HEIGHT_MAX))
+        .collect();
     let height: f64 = charts.iter().map(Drawing::height).sum();
     let mut root = Element::new("svg")
         .with("xmlns", "http://www.w3.org/2000/svg")
@@ -64,28 +67,30 @@ pub fn file(charts: &[Chart], names: &Names<'_>) -> String {
 
 impl Chart {
     /// The chart as an element `svg` of this width, hidden from screen readers: the figures say what it shows. Its units are
-    /// pixels where it is shown at this width.
+    /// pixels where it is shown at this width. Without its legend it is at most `height_max` high.
     #[must_use]
-    pub fn svg(&self, names: &Names<'_>, width: f64) -> Element {
-        let drawing = self.of_width(width);
+    pub fn svg(&self, names: &Names<'_>, width: f64, height_max: f64) -> Element {
+        let drawing = self.of_size(width, height_max);
         Element::new("svg")
             .with("viewBox", format!("0 0 {width} {}", drawing.height()))
             .with("aria-hidden", "true")
             .child(drawing.parts(names))
     }
 
-    const fn of_width(&self, width: f64) -> Drawing<'_> {
+    const fn of_size(&self, width: f64, height_max: f64) -> Drawing<'_> {
         Drawing {
             chart: self,
             width: width.max(WIDTH_MIN),
+            height_max,
         }
     }
 }
 
-/// A chart of this width.
+/// A chart of this size.
 struct Drawing<'a> {
     chart: &'a Chart,
     width: f64,
+    height_max: f64,
 }
 
 impl Drawing<'_> {
@@ -115,7 +120,7 @@ impl Drawing<'_> {
     }
 
     fn height(&self) -> f64 {
-        (160.0 + self.width / 4.0).min(HEIGHT_MAX) + self.legend_height()
+        (160.0 + self.width / 4.0).min(self.height_max) + self.legend_height()
     }
 
     /// The top of the plot.
@@ -278,7 +283,7 @@ mod tests {
         assert!(text.contains("translate(0 358)"));
         assert!(text.len() < 100_000, "{}", text.len());
         for (width, height) in [(WIDTH, 340.0), (360.0, 250.0)] {
-            let drawing = chart.of_width(width);
+            let drawing = chart.of_size(width, HEIGHT_MAX);
             for (x, y) in &chart.lines[0].points {
                 assert!((64.0..=width - 16.0).contains(&drawing.x_of(*x)));
                 assert!((48.0..=height - 26.0).contains(&drawing.y_of(*y)));

@@ -2,7 +2,7 @@
 
 use motorlink_markup::Element;
 
-use crate::chart::{Chart, Names, STYLE as CHART_STYLE, WIDTH};
+use crate::chart::{Chart, HEIGHT_MAX, Names, STYLE as CHART_STYLE, WIDTH};
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;\
 color:#14181e;background:#fff}table{border-collapse:collapse;margin:.5rem 0 1.5rem}th,td{text-align:left;\
@@ -55,7 +55,11 @@ pub fn report(
     };
     let body = Element::new("body")
         .child(Element::new("h1").text(texts.title.clone()))
-        .children(charts.iter().map(|chart| chart.svg(names, WIDTH)))
+        .children(
+            charts
+                .iter()
+                .map(|chart| chart.svg(names, WIDTH, HEIGHT_MAX)),
+        )
         .children(runs.iter().map(run));
     let page = Element::new("html")
         .with("lang", texts.language)

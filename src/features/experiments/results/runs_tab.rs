@@ -142,9 +142,13 @@ fn row(of: Choice, run: &RunHeader) -> impl IntoView + use<> {
     let number = run.number;
     let is_marked = move || of.marked.with(|marked| marked.contains(&number));
     let is_shown = move || of.shown.with(|shown| shown.contains(&number));
-    let kind = run.study().map_or("", |study| texts::study(study.kind()));
-    let mut facts = format!("{kind} · {} · {}", names::motors(run), run.model);
+    let mut facts = format!("{} · {}", names::motors(run), run.model);
     let study = run.study();
+    let kind = study.as_ref().map(|study| texts::study(study.kind()));
+    // Most runs have no other name.
+    if let Some(kind) = kind.filter(|kind| *kind != run.name.as_str()) {
+        facts = format!("{kind} · {facts}");
+    }
     if let Some(list) = study.as_ref().and_then(names::accelerations) {
         let named = tr!("Acceleration {value}", value = list);
         facts = format!("{facts} · {named}");
@@ -174,9 +178,9 @@ fn row(of: Choice, run: &RunHeader) -> impl IntoView + use<> {
                 " "
                 <span class="quiet">{facts}</span>
                 " "
-                <span class="quiet">{names::date(run)}</span>
-                " "
-                <span class=class>{ended}</span>
+                <span class="quiet">
+                    {names::date(run)} " · " <span class=class>{ended}</span>
+                </span>
             </button>
         </li>
     }

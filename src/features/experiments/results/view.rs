@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::experiments::{
     analysis::{SetpointRate, setpoint_rate},
-    chart::{Chart, charts, compared_charts},
+    chart::{Chart, HEIGHT_MAX, charts, compared_charts},
     kept::{Outcome, RunHeader},
     study::{Findings, StudyKind},
 };
@@ -69,7 +69,7 @@ pub(crate) fn RunChart(kept: KeptRuns, shown: Signal<Vec<u32>>) -> impl IntoView
             None => tr!("Chart").to_owned(),
         }
     });
-    view! { <Charts charts=Box::new(charts) label /> }
+    view! { <Charts charts=Box::new(charts) label height_max=Signal::stored(HEIGHT_MAX) /> }
 }
 
 /// The figures of a run with what they mean; of several runs beside each other.
