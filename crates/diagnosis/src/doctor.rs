@@ -210,8 +210,10 @@ pub fn diagnose(findings: &Findings) -> Verdict {
     let median = findings.round_trip.median_us;
     let slow = median.is_some_and(|median_us| LATENCY_TIMER_US.contains(&median_us))
         || findings.newly_delayed.saturating_mul(2) > findings.newly_answered;
-    // Of several motors most replies may come while the next one is asked.
-    let mostly_late = all.asked >= ASKED_TO_BE_KNOWN && all.late.saturating_mul(2) > all.asked;
+    // Of several motors most replies may come while the next one is asked. Another cause may make them late, too.
+    let mostly_late = found.0.is_empty()
+        && all.asked >= ASKED_TO_BE_KNOWN
+        && all.late.saturating_mul(2) > all.asked;
     if (slow && answered >= ANSWERED_TO_BE_SLOW) || mostly_late {
         found.add(Diagnosis::LatencyTimer);
     }

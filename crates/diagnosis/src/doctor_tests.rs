@@ -205,6 +205,17 @@ fn what_happened_has_its_likely_cause() {
             vec![Diagnosis::LatencyTimer],
         ),
         (
+            "late replies in blocks of 32 bytes",
+            Findings {
+                blocks: 4,
+                ..alone(Tally {
+                    late: 75,
+                    ..tally(100, 75, 0)
+                })
+            },
+            vec![Diagnosis::Blocks],
+        ),
+        (
             "four motors whose replies are late",
             line(&[1, 2, 3, 4].map(|id| {
                 let late = Tally {
