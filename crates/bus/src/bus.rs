@@ -10,6 +10,7 @@ use crate::{
     exchange::Line,
     job::state::{Job, Proof},
     junk_logged::JunkLogged,
+    late_replies::LateWindow,
     line_event::{LineEvent, LineEventKind},
     line_use::LineUse,
     model::{evidence::ModelEvidence, foreign_text::ForeignText},
@@ -79,8 +80,10 @@ pub struct Bus {
     pub(crate) late: RateMeter,
     pub(crate) last_frame: LastFrame,
     pub(crate) last_drive: LastDrive,
-    /// When the last good frame arrived outside its window.
-    pub(crate) last_late_reply: Option<Instant>,
+    /// Until then another late reply is expected.
+    pub(crate) late_until: Instant,
+    /// Set by late replies that are certain.
+    pub(crate) late_window: LateWindow,
     /// Earliest time of the next query while several motors are driven.
     pub(crate) queries_from: Instant,
     /// When the last exchange ended.
@@ -145,7 +148,8 @@ impl Bus {
             late: RateMeter::default(),
             last_frame: LastFrame::Other,
             last_drive: LastDrive::Carried,
-            last_late_reply: None,
+            late_until: Instant::ZERO,
+            late_window: LateWindow::default(),
             queries_from: now,
             old_replies_until: None,
             freed_at: now,

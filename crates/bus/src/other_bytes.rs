@@ -9,6 +9,7 @@ use crate::{
     model::foreign_text::Text,
     motor::Motor,
     receiver::{OtherBytes, ReceivedReply, Segment},
+    timing::LATE_FORGOTTEN,
 };
 
 impl Bus {
@@ -68,7 +69,7 @@ impl Bus {
         let ReceivedReply { frame, reading } = received;
         let id = reading.id();
         self.log_received(now, &frame, None);
-        self.last_late_reply = Some(now);
+        self.late_until = now + LATE_FORGOTTEN;
         self.job_late_reply(now, id);
         let expected = |motor: &Motor| motor.id == id && motor.late.may_come(now);
         let Some(motor) = self.motors.iter_mut().find(|motor| expected(motor)) else {
@@ -77,6 +78,9 @@ impl Bus {
         };
         motor.counters.late += 1;
         motor.loss.answered_late();
+        if let Some(sent) = motor.late.newest(now).filter(|_| is_certain) {
+            self.late_window.widen(now, sent);
+        }
         let oldest = motor.late.oldest(now);
         motor.late.late_reply();
         if is_certain && self.stop_takes_late_reply(now, oldest, &reading) {

@@ -7,18 +7,13 @@ use motorlink_protocol::{Instant, family::Layout};
 use crate::{
     bus::{Bus, LastDrive},
     exchange::{Expects, Purpose},
-    motor::Control,
-    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, stop_patience},
+    motor::{Control, Motor},
+    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW, stop_patience},
 };
 
 impl Bus {
     /// How long the bus waits for the reply.
-    pub(crate) fn reply_window(
-        &mut self,
-        at: Instant,
-        expects: Expects,
-        purpose: Purpose,
-    ) -> Duration {
+    pub(crate) fn reply_window(&self, at: Instant, expects: Expects, purpose: Purpose) -> Duration {
         let (id, layout) = match expects {
             Expects::Reply { id, layout } => (id, layout),
             Expects::Everyone { layout: None } => return FIRST_WINDOW,
@@ -29,39 +24,36 @@ impl Bus {
         {
             return window;
         }
-        let own = self
-            .motor_mut(id)
-            .and_then(|motor| motor.round_trip.window());
+        let motor = self.motors.iter().find(|motor| motor.id == id);
+        let own = motor.and_then(|motor| motor.round_trip.window());
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
         // While another motor answers, the adapter is not slower than before, so a silent motor
         // costs the others no longer window. A query for proof, a hold, the stop of a silent
         // motor and queries for an old temperature are urgent: the wheel turns meanwhile. But if replies come late, a short window
         // would let the next request collide with one.
-        let in_time = self
-            .last_late_reply
-            .is_none_or(|heard| at.since(heard) > LATE_FORGOTTEN);
+        let in_time = at > self.late_until;
         let unproved = matches!(self.last_drive, LastDrive::InFlight(_));
-        let holds = self
-            .motors
-            .iter()
-            .any(|motor| motor.id == id && motor.is_holding(at));
-        let stops_silent = self.motors.iter().any(|motor| {
-            let stops = matches!(motor.control, Control::Stopping(_));
-            motor.id == id && stops && motor.is_without_answer()
-        });
         let driven = self.motors.iter().filter(|motor| motor.is_driven()).count();
         let driven = u32::try_from(driven).unwrap_or(u32::MAX);
-        let is_old = self
-            .motors
-            .iter()
-            .any(|motor| motor.id == id && motor.asks_instead_until(at, driven).is_some());
-        let hurries = holds || stops_silent || is_old || (unproved && layout == Layout::Query);
+        let is_urgent = |motor: &Motor| {
+            let stops = matches!(motor.control, Control::Stopping(_));
+            motor.is_holding(at)
+                || (stops && motor.is_without_answer())
+                || motor.asks_instead_until(at, driven).is_some()
+        };
+        let hurries = motor.is_some_and(is_urgent) || (unproved && layout == Layout::Query);
         let doublings = if in_time && hurries {
             0
         } else {
             self.round_trip.doublings()
         };
-        let window = (window * (1 << doublings)).min(MAX_WINDOW);
+        // A motor without an answer gains nothing by a longer window, and the others lose it.
+        let is_heard = motor.is_some_and(|motor| !motor.is_without_answer());
+        let mut window = window * (1 << doublings);
+        if is_heard {
+            window = window.max(self.late_window.at(at));
+        }
+        let window = window.min(MAX_WINDOW);
         // While another motor waits for its first brake, a reply may come late: the line is free once it has passed.
         let brake_waits = self.motors.iter().any(|motor| match motor.control {
             Control::Stopping(stop) => {

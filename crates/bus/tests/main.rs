@@ -44,6 +44,7 @@ mod scanning_bad_lines;
 mod siblings_on_bad_lines;
 mod silent_motors;
 mod sleeping;
+mod slow_adapter;
 mod stalled_adapter;
 mod standstill;
 mod starting;

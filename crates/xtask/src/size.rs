@@ -44,8 +44,9 @@ const PARTS: [Part; 19] = [
     // of the runs into its thread, drive what that asks for as one group, and stop it. 15,000 are for motors that keep their
     // last command: what is remembered and stopped first, the standstill by speed and angle, stops of many motors that
     // alternate, echoes that are no replies, and a port that is slow to open or to close. 800 name text and blocks of bytes,
-    // and stop again what a dead line left driven. 100 give each update to the recorder too.
-    ("worker", DRIVING, &["worker-"], 117_300),
+    // and stop again what a dead line left driven. 100 give each update to the recorder too. 100 widen the
+    // reply windows after a late reply.
+    ("worker", DRIVING, &["worker-"], 117_400),
     // With the notices and the tour, which were part of the first style, the names of motors, and the panel Session file
     // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
     // controls of a replay and the setup link 900. 300 fit the panels to German and the screens of a phone. The panel
