@@ -199,7 +199,7 @@ impl Player {
             runs: Runs::default(),
             sent: SENT.digest(),
         };
-        player.rules.line(now, true);
+        player.rules.line(now, Some(LineFault::None));
         player.plug();
         player
     }

@@ -62,6 +62,8 @@ pub enum Rule {
     NoInventedValue,
     /// Every motor that is not known to be silent is asked in time, on every line.
     AskedInTime,
+    /// On a line whose adapter is slow and does nothing else wrong, nearly all replies come in their windows.
+    RepliesInTime,
     /// A start ends in time on a good line: the motor is driven, from its first frame on in the loop of the setpoint, or an
     /// event says why not.
     StartEnds,

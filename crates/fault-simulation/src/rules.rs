@@ -9,6 +9,7 @@
 //! | `truth` | whether the reported telemetry is true |
 //! | `motion` | whether a wheel moves on after a stop or a hold |
 //! | `asked` | whether every motor is asked in time |
+//! | `in_time` | whether replies come in their windows on a slow line |
 //! | `bounds` | limits of every frame on the wire |
 //! | `liveness` | what must happen on a good line: brakes, ends of stops, stops after a loss |
 //! | `unasked` | whether a motor that moves though nothing drives it is said to |
@@ -18,6 +19,7 @@ mod asked;
 mod bounds;
 mod commands;
 mod events;
+mod in_time;
 mod invented;
 mod liveness;
 mod motion;
@@ -28,7 +30,7 @@ mod truth;
 mod unasked;
 mod wire;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use motorlink_bus::{Bus, Limits};
@@ -36,11 +38,13 @@ use motorlink_protocol::family::{Model, Request};
 use motorlink_protocol::{Frame, Instant, MotorId, Setpoint};
 use motorlink_simulator::World;
 
+use crate::action::LineFault;
 use crate::rule::{Outcome, Rule, broken};
 
 use self::{
-    asked::Asked, bounds::Bounds, invented::Invented, liveness::Liveness, motion::Motion,
-    operator::Operator, starts::Starts, truth::Truth, unasked::Unasked, wire::Wire,
+    asked::Asked, bounds::Bounds, in_time::InTime, invented::Invented, liveness::Liveness,
+    motion::Motion, operator::Operator, said::may_obey, starts::Starts, truth::Truth,
+    unasked::Unasked, wire::Wire,
 };
 
 /// Longest time until a stop reaches a motor: 10 ms of the bus, and at most 10 ms of the exchange
@@ -48,6 +52,8 @@ use self::{
 const STOP_REACHES_WITHIN: Duration = Duration::from_millis(20);
 /// A silent motor delays the next ones by its reply window.
 const WINDOW_MAX: Duration = Duration::from_millis(40);
+/// A running stop sends a brake and a query to each of at most four motors.
+const FRAMES_OF_A_TURN: u32 = 8;
 /// A refused frame costs its reply window, and the next frame its airtime.
 const REFUSED_COSTS: Duration = Duration::from_millis(45);
 /// A stop ends confirmed or after its window of three seconds; scans and switches are over then.
@@ -67,12 +73,15 @@ pub(crate) struct Rules {
     liveness: Liveness,
     invented: Invented,
     asked: Asked,
+    in_time: InTime,
     unasked: Unasked,
     starts: Starts,
     /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last possible stop frame.
     rested: BTreeMap<MotorId, Instant>,
+    /// Motors whose last frame that changes anything was a brake.
+    braked: BTreeSet<MotorId>,
     /// Motors that the stop report must name.
     reported: Vec<MotorId>,
     stop_began: Option<Instant>,
@@ -103,6 +112,7 @@ impl Rules {
     pub(crate) fn on_absence(&mut self, now: Instant, is_late: bool, world: &World) {
         self.wire.disturbed(now);
         self.liveness.disturbed();
+        self.in_time.disturbed();
         self.invented.on_absence(now);
         self.asked.excused(now);
         self.operator.was_away();
@@ -137,7 +147,13 @@ impl Rules {
             }
             // Motors whose stop has just begun come first, each with its reply window.
             let waiting = u32::try_from(self.stops.len()).unwrap_or(u32::MAX);
-            let before = others.saturating_add(waiting);
+            // A motor that has stopped before its start goes on, in turn with the others.
+            let is_braked = self.starts.waits(id) && self.braked.contains(&id);
+            let before = if is_braked {
+                FRAMES_OF_A_TURN
+            } else {
+                others.saturating_add(waiting)
+            };
             let until = now + STOP_REACHES_WITHIN + WINDOW_MAX * before;
             self.stops.entry(id).or_insert(until);
         }
@@ -154,6 +170,9 @@ impl Rules {
         *self.judged.entry(Rule::StartEnds).or_default() += judged;
         let judged = self.asked.settled(now, bus)?;
         *self.judged.entry(Rule::AskedInTime).or_default() += judged;
+        if self.in_time.settled(now, bus)? {
+            self.judge(Rule::RepliesInTime);
+        }
         let judged = self.unasked.settled(now, bus)?;
         *self.judged.entry(Rule::UnaskedIsSaid).or_default() += judged;
         self.check_active_setpoints(now, bus)
@@ -178,10 +197,12 @@ impl Rules {
         self.truth.heated(now);
     }
 
-    /// The line was set healthy or faulty.
-    pub(crate) fn line(&mut self, now: Instant, is_good: bool) {
+    /// The line was set healthy or faulty; `None` if it carries nothing.
+    pub(crate) fn line(&mut self, now: Instant, line: Option<LineFault>) {
+        let is_good = line == Some(LineFault::None);
         self.wire.line(now, is_good);
         self.liveness.line(is_good);
+        self.in_time.line(line);
     }
 
     /// The port is closed: no setpoint is in force.
@@ -190,6 +211,8 @@ impl Rules {
         self.bounds.port_lost();
         self.liveness.port_lost();
         self.asked = Asked::default();
+        self.braked.clear();
+        self.in_time.disturbed();
         self.unasked = Unasked::default();
         self.starts = Starts::default();
         self.operator.port_lost();
@@ -228,10 +251,13 @@ impl Rules {
         for rule in self.bounds.sent(now, frame, raw, limits, world)? {
             self.judge(rule);
         }
-        if let (None, Ok(Request::Drive { id, drive })) = (raw, Request::parse(self.model, &frame))
-            && drive.brakes()
-        {
-            self.moves_no_more(now, world, |other| *other == id);
+        match Request::parse(self.model, &frame) {
+            Ok(Request::Drive { id, drive }) if raw.is_none() && drive.brakes() => {
+                self.braked.insert(id);
+                self.moves_no_more(now, world, |other| *other == id);
+            }
+            Ok(Request::Query { .. } | Request::ModeQuery { .. } | Request::IdQuery) => {}
+            _ => self.braked.retain(|id| !may_obey(&frame, *id)),
         }
         let may_stop = self.operator.sent(now, frame, bus, world)?;
         if may_stop
@@ -271,6 +297,7 @@ impl Rules {
         self.wire.refused(now, frame, bytes, reported);
         self.asked.excused(now);
         self.liveness.disturbed();
+        self.in_time.disturbed();
         // The bus counts a silently truncated frame as sent: the motor has had the first frame of its stop.
         if !reported
             && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =

@@ -1,6 +1,9 @@
 //! Generates a list of actions from a seed.
 
-use std::{ops::Range, time::Duration};
+use std::{
+    ops::{Range, RangeInclusive},
+    time::Duration,
+};
 
 use fastrand::Rng;
 use motorlink_bus::{BusSettings, Command, SetIdFrames, StopReason};
@@ -35,6 +38,12 @@ const DEAD_LINES: u64 = 0xDEAD_11E5;
 const MOTORS: u64 = 0x0030_7025;
 /// One of them comes before one action in this many.
 const DEAD_LINE_EVERY: u8 = 50;
+/// So have adapters that become slow and stay so for a while.
+const SLOW_ADAPTERS: u64 = 0x510_ADA7;
+/// One comes before one action in this many.
+const SLOW_ADAPTER_EVERY: u8 = 200;
+/// How long such an adapter holds received bytes.
+const HELD_MS: RangeInclusive<u8> = 4..=30;
 /// How long a line is dead: it comes back during a stop that began on it, or long after.
 const DEAD_MS: Range<u64> = 500..25_000;
 /// In one world of this many, motors report no speed.
@@ -94,7 +103,8 @@ impl Scenario {
     /// The scenario of this seed for DDSM115 motors.
     #[must_use]
     pub fn from_seed(seed: u64) -> Self {
-        Self::without_losses(seed).with_losses().with_dead_lines()
+        let scenario = Self::without_losses(seed).with_losses().with_dead_lines();
+        scenario.with_slow_adapters()
     }
 
     fn without_losses(seed: u64) -> Self {
@@ -208,6 +218,41 @@ impl Scenario {
                         Action::AnotherComputer { back_after }
                     },
                     pause_ms(rng.u64(..4_000)),
+                ]);
+            }
+            actions.push(action);
+        }
+        Self { actions, ..self }
+    }
+
+    /// The same with adapters that become slow while nothing else is wrong, half of them while wheels turn.
+    fn with_slow_adapters(self) -> Self {
+        let mut rng = Rng::with_seed(self.seed ^ SLOW_ADAPTERS);
+        let mut actions = Vec::new();
+        for action in self.actions {
+            if rng.u8(..SLOW_ADAPTER_EVERY) == 0 {
+                actions.extend([
+                    Action::Replug,
+                    Action::PageHangs(false),
+                    Action::Line(LineFault::None),
+                    Action::Command(Command::Release),
+                ]);
+                for id in &self.motors {
+                    actions.push(Action::Power { id: *id, on: true });
+                    actions.push(Action::Command(Command::Stop(*id)));
+                }
+                // A DDSM400 is enabled meanwhile.
+                actions.push(pause_ms(2_500));
+                let driven = if rng.bool() { self.motors.len() } else { 0 };
+                for id in self.motors.iter().take(driven) {
+                    let speed = Setpoint::velocity(SpeedTarget::clamped(rng.i32(-150..=150)));
+                    actions.extend([drive(*id, speed), pause_ms(0)]);
+                }
+                actions.extend([
+                    Action::Line(LineFault::Gathers(rng.u8(HELD_MS))),
+                    // An even number of actions, as above.
+                    pause_ms(0),
+                    pause_ms(rng.u64(3_100..6_000)),
                 ]);
             }
             actions.push(action);

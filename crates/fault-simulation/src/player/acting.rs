@@ -87,7 +87,7 @@ impl Player {
                     lose_request: 1.0,
                     ..self.line.faults()
                 });
-                self.rules.line(self.now, false);
+                self.rules.line(self.now, None);
                 self.run(*lasts)?;
                 self.set_line(self.line);
                 if let Some(bus) = &self.bus {
@@ -116,7 +116,7 @@ impl Player {
     pub(super) fn set_line(&mut self, line: LineFault) {
         self.line = line;
         self.world.set_faults(line.faults());
-        self.rules.line(self.now, line == LineFault::None);
+        self.rules.line(self.now, Some(line));
     }
 
     /// The bus is gone at any moment and without a stop. What was remembered stays.

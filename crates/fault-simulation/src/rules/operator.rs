@@ -277,6 +277,8 @@ impl Operator {
         let request = Request::parse(self.model, &frame);
         if let Ok(request) = request
             && let Some(id) = addressee(request)
+            // A mode switch of a model with combined frames has no answer that could be missing.
+            && request.reply_layout(self.model).is_some()
         {
             self.reported.entry(id).or_default().asked += 1;
         }
