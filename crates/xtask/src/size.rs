@@ -66,8 +66,8 @@ const PARTS: [Part; 19] = [
     // 200: Enter ticks a box while a motor runs, and the focus goes from Run to Pause.
     ("desk", BEHIND, &["desk"], 147_600),
     // 1,600 are the cards of a group. 300 keep a finger that scrolls from driving, and the pad below the limit. 200 find a
-    // slow adapter within seconds.
-    ("tools", BEHIND, &["tools"], 65_900),
+    // slow adapter within seconds. 100 say why the virtual motors cannot be connected.
+    ("tools", BEHIND, &["tools"], 66_000),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep

@@ -14,7 +14,7 @@ use crate::{
     ui::{
         button::PressButton,
         panel::panel,
-        reactive::{effect, handler},
+        reactive::{dynamic, effect, handler},
     },
 };
 
@@ -73,6 +73,7 @@ pub(crate) fn VirtualMotorsPanel(connect: Connect) -> impl IntoView {
                         connect.connect_virtual();
                     }
                 />
+                <p class="quiet">{dynamic(move || blocked_by.get())}</p>
             </div>
         },
     )

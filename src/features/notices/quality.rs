@@ -111,11 +111,10 @@ fn of_poor_line(ids: &[MotorId]) -> NoticeText {
             ids = terms::ids(ids)
         ),
     };
-    let advice = tr!(
-        "Over {percent} % of the requests got no valid reply. Link health in Diagnose names the likely cause.",
-        percent = POOR_PERCENT
-    );
-    NoticeText::new(Topic::Quality, Tone::Warning, title, &[&advice])
+    // It stays until the line is good again, so it names no share: Link health tells the present one.
+    let advice =
+        tr!("Many requests get no valid reply. Link health in Diagnose names the likely cause.");
+    NoticeText::new(Topic::Quality, Tone::Warning, title, &[advice])
         .explained_at(HelpTopic::DamagedBytes)
 }
 
