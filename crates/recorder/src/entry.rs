@@ -4,7 +4,7 @@ use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::Kind;
 use motorlink_protocol::{Instant, MotorId, Request, family::Model};
 
-use crate::texts::TextRef;
+use crate::stored_texts::TextRef;
 
 /// An entry of the log.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@
 //! | `view` | which entries are rows, and which row is which entry |
 //! | `row_filter` | which entries match the filter |
 //! | `routine` | which exchanges are routine |
-//! | `meaning` | the text of an entry |
+//! | `row_words` | the words of an entry, as a row shows them |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
 //! | `states` | what the page showed |
 //! | `commanded` | what each motor was told |
@@ -21,7 +21,7 @@
 //! | `restoring` | restores a saved session in slices |
 //! | `csv_file`, `charset` | CSV files, written in slices |
 //! | `wall_clock`, `local_time` | the time of day |
-//! | `chunks`, `entry`, `texts`, `digits` | compact storage and quick formatting |
+//! | `chunks`, `entry`, `stored_texts`, `digits` | compact storage and quick formatting |
 
 mod charset;
 mod chunks;
@@ -33,15 +33,15 @@ mod kept;
 mod local_time;
 mod log;
 mod marks;
-mod meaning;
 mod recorder;
 mod recording;
 mod restoring;
 mod routine;
 mod row_filter;
+mod row_words;
 pub mod saved;
 mod states;
-mod texts;
+mod stored_texts;
 mod view;
 mod wall_clock;
 

@@ -7,10 +7,10 @@ use motorlink_protocol::{Instant, family::Model};
 use crate::{
     chunks::Chunks,
     entry::{Entry, EntryContent, Visibility},
-    meaning,
     routine::Routine,
+    row_words,
     states::{State, States},
-    texts::Texts,
+    stored_texts::Texts,
     view::{REORDER_MAX, RowContext, View},
     wall_clock::WallClock,
 };
@@ -276,7 +276,7 @@ impl Log {
         let numbers = self.entries.first()..self.entries.end();
         let mut newest_first = numbers.rev().filter_map(|number| self.entries.get(number));
         let frame = newest_first.find(|entry| matches!(entry.kind(), Kind::Tx | Kind::Rx))?;
-        Some(meaning::row(&frame, &self.texts, self.clock))
+        Some(row_words::row(&frame, &self.texts, self.clock))
     }
 
     /// The time of a row; `None` if there is no such row.

@@ -1,6 +1,6 @@
 //! Restores a saved session in slices.
 //!
-//! The saved session is replayed into a separate log and recording, while the recorder works as usual. Then
+//! The saved session is read into a separate log and recording, while the recorder works as usual. Then
 //! the entries of the recorder are appended to them, and they replace those of the recorder.
 
 use motorlink_messages::recorder::{Filter, FromRecorder, PAST_SAMPLES_MAX};
@@ -8,14 +8,14 @@ use motorlink_messages::recorder::{Filter, FromRecorder, PAST_SAMPLES_MAX};
 use crate::{
     log::Log,
     recording::Recording,
-    saved::{Replay, Stream, Timeline},
+    saved::{Rebuild, Stream, Timeline},
     wall_clock::WallClock,
 };
 
 /// A session that is being restored.
 #[derive(Debug)]
 pub(crate) struct Restoring {
-    replay: Replay,
+    rebuild: Rebuild,
     stage: Stage,
     /// The log was cleared meanwhile: no restored entry may appear.
     cleared: bool,
@@ -27,7 +27,7 @@ enum Stage {
     NeedsFile,
     /// The next file was requested.
     Waiting,
-    /// A file is being replayed.
+    /// A file is being read.
     Playing,
     /// The recorder's entries are being copied. The numbers are the next ones to copy.
     Copying {
@@ -75,7 +75,7 @@ impl Restoring {
         restored.set_clock(clock);
         let recording = Recording::with_capacity(recording.capacity());
         Self {
-            replay: Replay::new(restored, recording, clock.zero_us()),
+            rebuild: Rebuild::new(restored, recording, clock.zero_us()),
             stage: Stage::NeedsFile,
             cleared: false,
         }
@@ -95,22 +95,22 @@ impl Restoring {
     /// The requested file, or `None` after the last one.
     pub(crate) fn take(&mut self, file: Option<(Stream, Vec<u8>)>) {
         self.stage = if let Some((stream, bytes)) = file {
-            self.replay.take(stream, bytes);
+            self.rebuild.take(stream, bytes);
             Stage::Playing
         } else {
             // A recording that was on then is not on now.
-            self.replay.recording.record_on(false);
+            self.rebuild.recording.record_on(false);
             Stage::Copying {
                 log: 0,
                 samples: [0; 2],
-                past_end: self.replay.recording.rolling_end(),
+                past_end: self.rebuild.recording.rolling_end(),
             }
         };
     }
 
     /// The log has been cleared.
     pub(crate) fn clear(&mut self) {
-        self.replay.log.clear();
+        self.rebuild.log.clear();
         self.cleared = true;
         if let Stage::Copying { log, .. } = &mut self.stage {
             *log = 0;
@@ -126,34 +126,34 @@ impl Restoring {
         epoch_us: Option<i64>,
         entries: u64,
     ) -> bool {
-        let Self { replay, stage, .. } = self;
+        let Self { rebuild, stage, .. } = self;
         let Stage::Copying {
             log: next, samples, ..
         } = stage
         else {
-            if replay.advance(entries) {
+            if rebuild.advance(entries) {
                 *stage = Stage::NeedsFile;
             }
             return false;
         };
         if self.cleared {
-            replay.log.clear();
+            rebuild.log.clear();
             self.cleared = false;
         }
         if let Some(epoch_us) = epoch_us {
-            replay.timeline.begin(epoch_us);
+            rebuild.timeline.begin(epoch_us);
         }
         // From now on a late entry cannot be inserted before a copied one.
         let settled = log.settle();
         *next = (*next).max(settled.start);
         let until = settled.end.min(*next + entries);
         while *next < until {
-            let timeline = &mut replay.timeline;
-            replay.log.copy(log, *next, |at| timeline.at(at));
+            let timeline = &mut rebuild.timeline;
+            rebuild.log.copy(log, *next, |at| timeline.at(at));
             *next += 1;
         }
-        let timeline = &mut replay.timeline;
-        let samples_are_through = replay
+        let timeline = &mut rebuild.timeline;
+        let samples_are_through = rebuild
             .recording
             .copy(recording, samples, entries, |at| timeline.at(at));
         samples_are_through && *next >= settled.end
@@ -167,21 +167,21 @@ impl Restoring {
         recording: &Recording,
         filter: &Filter,
     ) -> (Log, Recording, Timeline, Past) {
-        let mut replay = self.replay;
-        replay.log.forget_cleared();
+        let mut rebuild = self.rebuild;
+        rebuild.log.forget_cleared();
         let until = match self.stage {
             Stage::Copying { past_end, .. } => past_end,
             Stage::NeedsFile | Stage::Waiting | Stage::Playing => 0,
         };
-        let timeline = &mut replay.timeline;
-        replay.log.continue_from(log, filter, |at| timeline.at(at));
-        replay
+        let timeline = &mut rebuild.timeline;
+        rebuild.log.continue_from(log, filter, |at| timeline.at(at));
+        rebuild
             .recording
             .continue_from(recording, |at| timeline.at(at));
         let past = Past {
             zero_us: timeline.zero_us().saturating_neg(),
             until,
         };
-        (replay.log, replay.recording, replay.timeline, past)
+        (rebuild.log, rebuild.recording, rebuild.timeline, past)
     }
 }

@@ -7,8 +7,8 @@ use motorlink_protocol::MotorId;
 use crate::{
     digits::push_hex,
     entry::{Entry, EntryContent, Visibility},
-    meaning::{push_id, push_meaning},
-    texts::Texts,
+    row_words::{push_id, push_meaning},
+    stored_texts::Texts,
     wall_clock::WallClock,
 };
 

@@ -16,9 +16,9 @@ use self::opened::Opened;
 use crate::{
     chunks::{CHUNK, Chunks},
     entry::{Entry, Visibility},
-    meaning,
     row_filter::RowFilter,
-    texts::Texts,
+    row_words,
+    stored_texts::Texts,
     wall_clock::WallClock,
 };
 
@@ -271,7 +271,7 @@ impl View {
                         number,
                         collapsed_before: std::mem::take(&mut collapsed),
                         opened: self.opened_at(entries, place),
-                        ..meaning::row(&entry, context.texts, context.clock)
+                        ..row_words::row(&entry, context.texts, context.clock)
                     });
                     number += 1;
                 }

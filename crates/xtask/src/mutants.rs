@@ -47,7 +47,7 @@ impl Set {
                 "receiver.rs",
                 "late_replies.rs",
             ],
-            Self::Recorder => &["saved/block.rs", "saved/content.rs", "saved/replay.rs"],
+            Self::Recorder => &["saved/block.rs", "saved/content.rs", "saved/rebuild.rs"],
         }
     }
 
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(Set::Protocol.in_words(), "crates/protocol");
         assert_eq!(
             Set::Recorder.in_words(),
-            "crates/recorder (saved/block, saved/content, saved/replay)"
+            "crates/recorder (saved/block, saved/content, saved/rebuild)"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! The texts around the rows of the packet log. `crates/recorder/src/meaning.rs` has those of the rows.
+//! The texts around the rows of the packet log. `crates/recorder/src/row_words.rs` has those of the rows.
 
 use motorlink_i18n::tr;
 

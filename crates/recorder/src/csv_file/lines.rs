@@ -13,7 +13,7 @@ use crate::{
     charset::Charset,
     entry::{Entry, EntryContent, Visibility},
     recording::Line,
-    texts::Texts,
+    stored_texts::Texts,
     wall_clock::WallClock,
 };
 

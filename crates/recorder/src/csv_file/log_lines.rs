@@ -18,8 +18,8 @@ use crate::{
     charset::Charset,
     digits::{push_0x, push_hex},
     entry::{Entry, EntryContent},
-    meaning::{push_english, push_id},
-    texts::Texts,
+    row_words::{push_english, push_id},
+    stored_texts::Texts,
     wall_clock::{IsoWriter, WallClock, push_seconds},
 };
 

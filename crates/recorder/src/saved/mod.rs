@@ -1,4 +1,4 @@
-//! The saved session: the inputs of the recorder in files, to be replayed into another recorder.
+//! The saved session: the inputs of the recorder in files, to rebuild another recorder from them.
 //!
 //! The files contain inputs: line events, messages, what the page showed, clearings, and when recording began and
 //! ended. So files are only appended to, never rewritten.
@@ -8,27 +8,27 @@
 //! | `block` | the unit of writing, with a checksum |
 //! | `content` | the content of a block |
 //! | `before` | the line events of earlier versions |
-//! | `writer` | decides when to write, and which files to remove |
+//! | `when_to_write` | decides when to write, and which files to remove |
 //! | `stream_writer` | the bytes to append, and to which file of its stream |
 //! | `summary` | the size and the period of a saved session |
 //! | `timeline` | the times of several runs on one clock |
-//! | `replay` | rebuilds a log and a recording |
+//! | `rebuild` | rebuilds a log and a recording |
 
 mod before;
 mod block;
 mod content;
-mod replay;
+mod rebuild;
 mod stream_writer;
 mod summary;
 mod timeline;
-mod writer;
+mod when_to_write;
 
 pub use block::{Blocks, CONTENT_MAX};
-pub(crate) use replay::Replay;
+pub(crate) use rebuild::Rebuild;
 pub use stream_writer::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX};
 pub use summary::Summary;
 pub(crate) use timeline::Timeline;
-pub use writer::{SessionWriter, StoreAction};
+pub use when_to_write::{SessionWriter, StoreAction};
 
 /// A stream of blocks. Each is split into files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -6,7 +6,7 @@
 //! | `playing` | the place while it plays |
 //! | `search` | the state at another place |
 //! | `track` | reads records up to a time |
-//! | `state` | what the page shows |
+//! | `replayed_state` | what the page shows |
 //! | `of_frames` | the same for records without states: what the frames tell |
 //! | `log_rows` | rows of the packet log |
 //! | `times`, `look_back` | the clock of a replay, and how far it reads back |
@@ -16,8 +16,8 @@ mod look_back;
 mod of_frames;
 mod player;
 mod playing;
+mod replayed_state;
 mod search;
-mod state;
 mod times;
 mod track;
 

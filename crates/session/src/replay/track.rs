@@ -6,7 +6,7 @@ use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_protocol::Instant;
 use motorlink_recorder::{ENTRIES_MAX, Log, WallClock};
 
-use super::{state::State, times::Times};
+use super::{replayed_state::State, times::Times};
 use crate::{
     reader::{Cursor, Next, Session},
     record::{Record, What},

@@ -3,7 +3,7 @@
 
 mod disk;
 mod found;
-mod saving;
+mod session_requests;
 mod state;
 mod store;
 
@@ -61,11 +61,11 @@ pub(crate) fn start() {
             utc_offset_asked: now,
         })
     });
-    saving::begin(&shared);
+    session_requests::begin(&shared);
     scope::on_message(move |incoming| match incoming {
         Incoming::Message(bytes) => match decode::<ToRecorder>(&bytes) {
             Ok(message) => {
-                saving::handle(&shared, &message);
+                session_requests::handle(&shared, &message);
                 shared.borrow_mut().recorder.handle(message);
                 turn(&shared);
             }

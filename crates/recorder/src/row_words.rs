@@ -14,7 +14,7 @@ use motorlink_protocol::{
 use crate::{
     digits::{push_0x, push_hex},
     entry::{Entry, EntryContent},
-    texts::Texts,
+    stored_texts::Texts,
     wall_clock::WallClock,
 };
 

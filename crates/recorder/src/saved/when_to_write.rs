@@ -6,7 +6,7 @@ use motorlink_bus::LineEvent;
 use motorlink_protocol::Instant;
 
 use super::{Segment, Stream, content::Note, stream_writer::StreamWriter};
-use crate::{recording::Sample, texts::cut};
+use crate::{recording::Sample, stored_texts::cut};
 
 /// A crash may lose one second. Line events arrive 50 ms late, and a write takes milliseconds.
 const WRITE_WITHIN: Duration = Duration::from_millis(250);

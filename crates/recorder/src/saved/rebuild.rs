@@ -10,9 +10,9 @@ use super::{
 };
 use crate::{log::Log, recording::Recording, states::State};
 
-/// Replays the files of a session, in order, the packets first.
+/// Reads the files of a session, in order, the packets first.
 #[derive(Debug)]
-pub(crate) struct Replay {
+pub(crate) struct Rebuild {
     pub(crate) log: Log,
     pub(crate) recording: Recording,
     pub(crate) timeline: Timeline,
@@ -20,8 +20,8 @@ pub(crate) struct Replay {
     blocks: Blocks,
 }
 
-impl Replay {
-    /// Replays into this log and recording. The epoch is that of the earliest run, in microseconds since 1970.
+impl Rebuild {
+    /// Rebuilds this log and recording. The epoch is that of the earliest run, in microseconds since 1970.
     pub(crate) fn new(log: Log, recording: Recording, first_epoch_us: i64) -> Self {
         Self {
             log,
@@ -38,7 +38,7 @@ impl Replay {
         self.blocks = Blocks::new(bytes);
     }
 
-    /// Replays this number of entries and the rest of their block. Returns whether the file is done.
+    /// Reads this number of entries and the rest of their block. Returns whether the file is done.
     pub(crate) fn advance(&mut self, entries: u64) -> bool {
         let mut played = 0;
         while played < entries {

@@ -1,4 +1,4 @@
-//! Stores the texts of messages apart, because all entries have the same size. `meaning` says what a row reads.
+//! Stores the texts of messages apart, because all entries have the same size. `row_words` says what a row reads.
 
 use crate::charset::Charset;
 
