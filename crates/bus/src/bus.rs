@@ -10,7 +10,7 @@ use crate::{
     exchange::Line,
     job::state::{Job, Proof},
     junk_logged::JunkLogged,
-    late_replies::LateWindow,
+    late_window::LateWindow,
     line_event::{LineEvent, LineEventKind},
     line_use::LineUse,
     model::{evidence::ModelEvidence, foreign_text::ForeignText},

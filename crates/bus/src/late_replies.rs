@@ -10,7 +10,7 @@ use std::{collections::VecDeque, time::Duration};
 
 use motorlink_protocol::{Instant, Layout};
 
-use crate::timing::{FRESH_FOR, LATE_FORGOTTEN, LATE_REPLY_MAX, MIN_WINDOW};
+use crate::timing::{FRESH_FOR, LATE_REPLY_MAX};
 
 /// No reply is outstanding after as many replies as requests in a row were unanswered, plus this
 /// many. On a machine with four times the load that it can carry, two exchanges in a row were seen
@@ -195,35 +195,6 @@ impl Outstanding {
     }
 }
 
-/// The reply window that late replies have shown to be needed.
-///
-/// Round trips are measured only where no reply was lost shortly before (Karn's algorithm). If an adapter becomes
-/// slower than the windows and several motors share it, that is never the case, so late replies widen the windows
-/// themselves. Each counts for [`LATE_FORGOTTEN`]. By then the round trips have been measured.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LateWindow {
-    until: Instant,
-    window: Duration,
-}
-
-impl LateWindow {
-    /// A late reply has arrived. `sent` is the last request that it may answer.
-    pub(crate) fn widen(&mut self, heard: Instant, sent: Instant) {
-        let shown = heard.since(sent) + MIN_WINDOW / 2;
-        self.window = shown.max(self.at(heard));
-        self.until = heard + LATE_FORGOTTEN;
-    }
-
-    /// The window; zero if no late reply is remembered.
-    pub(crate) fn at(&self, now: Instant) -> Duration {
-        if now <= self.until {
-            self.window
-        } else {
-            Duration::ZERO
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,24 +232,10 @@ mod tests {
         assert!(!late.may_come(at(50)));
     }
 
-    #[test]
-    fn late_replies_widen_the_window_to_the_latest_for_a_second() {
-        let mut late = LateWindow::default();
-        assert_eq!(late.at(at(0)), Duration::ZERO);
-        late.widen(at(118), at(100));
-        assert_eq!(late.at(at(1_118)), Duration::from_millis(21));
-        assert_eq!(late.at(at(1_119)), Duration::ZERO);
-        late.widen(at(1_000), at(990));
-        assert_eq!(late.at(at(2_000)), Duration::from_millis(21));
-        late.widen(at(2_001), at(1_991));
-        assert_eq!(late.at(at(2_001)), Duration::from_millis(13));
-    }
-
     /// A frame that comes so long after it answers something else, or a computer has stalled.
     #[test]
     fn a_request_of_long_ago_widens_no_window() {
         let mut late = LateReplies::default();
-        assert_eq!(late.newest(at(0)), None);
         late.unanswered(Layout::Query, at(100), 1);
         late.unanswered(Layout::Query, at(120), 2);
         assert_eq!(late.newest(at(170)), Some(at(120)));

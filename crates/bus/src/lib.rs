@@ -42,6 +42,7 @@ mod job;
 mod junk_logged;
 mod last_second;
 mod late_replies;
+mod late_window;
 mod left_driven;
 mod limits;
 mod line_event;

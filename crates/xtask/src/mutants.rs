@@ -46,6 +46,7 @@ impl Set {
                 "schedule.rs",
                 "receiver.rs",
                 "late_replies.rs",
+                "late_window.rs",
             ],
             Self::Recorder => &["saved/block.rs", "saved/content.rs", "saved/rebuild.rs"],
         }
