@@ -37,6 +37,7 @@ mod short_names;
 mod site;
 mod site_file;
 mod size;
+mod style;
 mod suite;
 mod tables;
 mod template;

@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use motorlink_i18n::Language;
 use motorlink_web_server::compression;
 
@@ -16,6 +16,7 @@ use crate::minify;
 use crate::service_worker::{self, is_for_installing};
 use crate::site_file::{Profile, SiteFile};
 use crate::size::{self, Weight};
+use crate::style::style;
 use crate::template::fill;
 use crate::workspace::Workspace;
 
@@ -97,23 +98,6 @@ pub fn size_report(dir: &Path) -> Result<size::Report> {
 
 fn read(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
-}
-
-/// The style sheets of a directory, without those of its subdirectories, as one, in the order of their names.
-fn style(dir: &Path) -> Result<String> {
-    let mut style = String::new();
-    for (path, content) in files_below(dir)? {
-        let is_sheet = path.extension().is_some_and(|extension| extension == "css");
-        if is_sheet && path.components().count() == 1 {
-            let text = String::from_utf8(content);
-            style += &text.with_context(|| format!("{} is not text", path.display()))?;
-            style.push('\n');
-        }
-    }
-    if style.is_empty() {
-        bail!("{} holds no style sheet", dir.display());
-    }
-    Ok(style)
 }
 
 fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {

@@ -105,7 +105,7 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
                 </div>
             </div>
             <div
-                class="experiment-tab"
+                class="experiment-tab of-runs"
                 id=panel_id(ExperimentTab::Runs)
                 role="tabpanel"
                 aria-labelledby=tab_id(ExperimentTab::Runs.key())

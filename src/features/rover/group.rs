@@ -96,8 +96,16 @@ fn cards() -> Option<Element> {
 fn markup() -> String {
     let mut html = String::new();
     for (class, name, unit) in [
-        ("panel read-out speed", tr!("Forward" as "motion"), " m/s"),
-        ("panel read-out current", tr!("Current" as "electric"), " A"),
+        (
+            "panel read-out speed noted",
+            tr!("Forward" as "motion"),
+            " m/s",
+        ),
+        (
+            "panel read-out current noted",
+            tr!("Current" as "electric"),
+            " A",
+        ),
         ("panel read-out position", tr!("Heading"), "°"),
         (TEMPERATURE, tr!("Temperature"), " °C"),
     ] {

@@ -233,7 +233,9 @@ mod tests {
             let mut motor = status(1_000, Mode::Velocity, 0);
             motor.temperature = motor.temperature.map(|(at, _)| (at, Celsius::new(degrees)));
             let shown = temperature(&session(1_016, motor), ID, 75).unwrap();
-            assert_eq!((shown.class(), shown.detail.as_str()), (look, words));
+            let noted = if words.is_empty() { "" } else { " noted" };
+            assert_eq!(shown.classes(), [look, noted]);
+            assert_eq!(shown.detail, words);
         }
     }
 

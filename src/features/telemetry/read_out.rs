@@ -80,17 +80,19 @@ impl Shown {
         }
     }
 
-    /// Its classes.
-    pub(crate) fn class(&self) -> &'static str {
+    /// Its classes: the look, and ` noted` if it has a detail.
+    pub(crate) fn classes(&self) -> [&'static str; 2] {
+        let note = if self.detail.is_empty() { "" } else { " noted" };
         // Old values are grey.
-        match self.rating {
+        let look = match self.rating {
             _ if !self.fresh => "stale",
             Rating::None => "",
             Rating::Good => "good",
             Rating::Warm => "warm",
             Rating::Bad if self.figure.len() > LONG => "bad long",
             Rating::Bad => "bad",
-        }
+        };
+        [look, note]
     }
 }
 
@@ -104,6 +106,10 @@ fn shown_age(age: Duration) -> String {
     format::age(age)
 }
 
+fn behind_a_space(text: &str) -> String {
+    [if text.is_empty() { "" } else { " " }, text].concat()
+}
+
 /// An output with its name, its value and its age; grey if it is out of date.
 #[component]
 pub(crate) fn ReadOut(
@@ -114,32 +120,29 @@ pub(crate) fn ReadOut(
     #[prop(into)]
     drawing: String,
 ) -> impl IntoView {
-    let age_id = format!("age-{class}");
-    let part = move |read: fn(&Shown) -> String| {
-        move || shown.with(|shown| shown.as_ref().map(read).unwrap_or_default())
+    let age_id = ["age-", class].concat();
+    let part_or = move |unknown: &'static str, read: fn(&Shown) -> String| {
+        move || {
+            shown.with(|shown| {
+                let read = shown.as_ref().map(read);
+                read.unwrap_or_else(|| unknown.to_owned())
+            })
+        }
     };
+    let part = move |read| part_or("", read);
     let look = move || {
         shown.with(|shown| {
-            let look = shown.as_ref().map_or("stale", Shown::class);
-            format!("panel read-out {class} {look}")
+            let [look, note] = shown.as_ref().map_or(["stale", ""], Shown::classes);
+            ["panel read-out ", class, " ", look, note].concat()
         })
     };
-    let figure = move || {
-        shown.with(|shown| {
-            let figure = shown.as_ref().map(|shown| shown.figure.clone());
-            figure.unwrap_or_else(|| UNKNOWN.to_owned())
-        })
-    };
+    let figure = part_or(UNKNOWN, |shown| shown.figure.clone());
     // The texts contain the spaces, for screen readers.
     let unit = part(|shown| match shown.unit {
-        "" => String::new(),
-        "°" => "°".to_owned(),
-        unit => format!(" {unit}"),
+        "°" => shown.unit.to_owned(),
+        unit => behind_a_space(unit),
     });
-    let detail = part(|shown| match shown.detail.as_str() {
-        "" => String::new(),
-        detail => format!(" {detail}"),
-    });
+    let detail = part(|shown| behind_a_space(&shown.detail));
     view! {
         <div
             class=dynamic(look)

@@ -110,7 +110,7 @@ fn figures_view(figures: Figures) -> impl IntoView {
         let names = columns.into_iter();
         let cells = names.map(|name| view! { <span>{name}</span> });
         view! {
-            <div class="figure-row figure-head">
+            <div class="figure-row figure-head of-several">
                 <span></span>
                 <span class="figure-values">{cells.collect_view()}</span>
             </div>
@@ -120,7 +120,7 @@ fn figures_view(figures: Figures) -> impl IntoView {
         let values = values.into_iter();
         let cells = values.map(|value| view! { <span>{value}" "</span> });
         view! {
-            <div class="figure-row">
+            <div class="figure-row" class:of-several=has_columns>
                 <span class="figure-name" aria-hidden="true">{name}</span>
                 <output class="figure-values" aria-label=name>{cells.collect_view()}</output>
             </div>
