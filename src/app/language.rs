@@ -45,7 +45,7 @@ pub(crate) async fn fetch(language: Language) -> bool {
     if has(language) {
         return true;
     }
-    let address = files::address(&format!("motorlink-text-{}", language.key()));
+    let address = files::address(&["motorlink-text-", language.key()].concat());
     match address {
         Some(address) => files::text_of(&address)
             .await

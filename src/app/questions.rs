@@ -39,7 +39,7 @@ pub(crate) fn question(dialog: Dialog) -> Option<Question> {
 fn high_current(yes: String) -> Question {
     Question {
         name: tr!("High current"),
-        title: format!("{yes}?"),
+        title: [&*yes, "?"].concat(),
         words: tr!(
             "This is above 6.1 A. Stall current is 2.7 A, and the phase overcurrent protection \
              trips at 4.6 A. Fasten the motor and keep fingers clear."

@@ -32,5 +32,5 @@ fn storage() -> Option<web_sys::Storage> {
 }
 
 fn key(name: &str) -> String {
-    format!("{PREFIX}{name}")
+    [PREFIX, name].concat()
 }

@@ -24,3 +24,4 @@ pub(crate) mod size_watch;
 pub(crate) mod slider;
 pub(crate) mod tab_panel;
 pub(crate) mod target;
+pub(crate) mod text;

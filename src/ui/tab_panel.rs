@@ -6,12 +6,12 @@ use crate::ui::reactive::dynamic;
 
 /// The id of a tab, by the tab's key.
 pub(crate) fn tab_id(key: &str) -> String {
-    format!("tab-{key}")
+    ["tab-", key].concat()
 }
 
 /// The id of a tab's panel, by the tab's key.
 pub(crate) fn panel_id(key: &str) -> String {
-    format!("panel-{key}")
+    ["panel-", key].concat()
 }
 
 /// A tab's panel. While it is closed, it is invisible and cannot be focused, but it keeps its space, so that nothing

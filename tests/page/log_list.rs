@@ -77,6 +77,24 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
     assert!((scroller.scroll_top() - f64::from(4_993 * 24)).abs() < 1.5);
 }
 
+/// A browser that translates the page puts each text into elements of its own.
+#[wasm_bindgen_test]
+async fn a_translated_page_shows_new_rows() {
+    let (recorder, bench, _style) = page("translated", 5_000).await;
+    for row in rows(&bench) {
+        let meaning = row.0.query_selector(".packet-meaning").unwrap().unwrap();
+        meaning.set_inner_html("<font><font>translated</font></font>");
+    }
+    recorder.log_row(|row| row.meaning = String::from("Disconnected"));
+    bench
+        .until("the new row", || {
+            let rows = rows(&bench);
+            let newest = rows.last().map(|row| row.text("meaning"));
+            newest.as_deref() == Some("Disconnected")
+        })
+        .await;
+}
+
 /// Tab goes through the buttons of the rows to the next control.
 #[wasm_bindgen_test]
 async fn auto_scroll_goes_on_when_the_focus_has_passed_by() {

@@ -16,10 +16,9 @@ use crate::{
             view::View,
         },
         state::Chart,
-        text::Text,
     },
     model::history::History,
-    ui::animation::Next,
+    ui::{animation::Next, text::Text},
 };
 
 /// Minimal time between updates: more frequent ones would interrupt the screen reader.
@@ -81,7 +80,7 @@ impl Description {
             tr!("At {time}", time)
         };
         let model = chart.page.model.get_untracked();
-        self.text.set(match subject {
+        let said = match subject {
             Subject::Motor { id, mirror, traces } => {
                 let values = |track| crosshair::values(track, *mirror, model, at);
                 let values = history.track(*id).map(values);
@@ -106,7 +105,8 @@ impl Description {
                     .map(|(_, id, value)| (chart.motor_name(id), value));
                 texts::compared_sentence(&when, comparison, &named.collect::<Vec<_>>())
             }
-        });
+        };
+        self.text.set(&said);
         Next::Woken
     }
 }

@@ -17,9 +17,11 @@ use crate::{
             trace::Trace,
         },
         state::Chart,
+    },
+    ui::{
+        reactive::{dynamic, handler},
         text::Text,
     },
-    ui::reactive::{dynamic, handler},
 };
 
 /// The list of what can be compared.
@@ -190,10 +192,10 @@ impl Legend {
         for (place, (item, text)) in self.items.iter_mut().enumerate() {
             let name = names.iter().find(|(of, _)| *of == place);
             item.set_hidden(name.is_none());
-            text.set(name.map(|(_, name)| name.clone()).unwrap_or_default());
+            text.set(name.map_or("", |(_, name)| name));
         }
         let more = comparison.and_then(Comparison::more);
         self.more.0.set_hidden(more.is_none());
-        self.more.1.set(more.unwrap_or_default());
+        self.more.1.set(&more.unwrap_or_default());
     }
 }

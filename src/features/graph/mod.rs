@@ -32,7 +32,6 @@ pub(crate) mod pointer;
 pub(crate) mod reading;
 pub(crate) mod stage;
 pub(crate) mod state;
-pub(crate) mod text;
 pub(crate) mod traces;
 pub(crate) mod watchers;
 

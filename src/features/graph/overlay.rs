@@ -6,11 +6,8 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 
 use crate::{
-    features::graph::{
-        plot::{comparison::MOTORS_MAX, trace::Trace},
-        text::Text,
-    },
-    ui::attribute::Attribute,
+    features::graph::plot::{comparison::MOTORS_MAX, trace::Trace},
+    ui::{attribute::Attribute, text::Text},
 };
 
 /// The content of the graph: two canvases, of which the lower has the axes, and the line of the crosshair.
@@ -119,19 +116,13 @@ impl Overlay {
     /// Sets the name of the motor at a place.
     pub(crate) fn name(&mut self, place: usize, name: &str) {
         if let Some(row) = self.rows.get_mut(Trace::ALL.len() + place) {
-            row.name.set(format!("{name} "));
+            row.name.set(&format!("{name} "));
         }
     }
 
     /// Shows the values at a position, in CSS pixels from the left of the graph. Values selected by keys are announced
     /// to screen readers.
-    pub(crate) fn show(
-        &mut self,
-        x: f64,
-        when: String,
-        values: Vec<CrosshairValue>,
-        by_keys: bool,
-    ) {
+    pub(crate) fn show(&mut self, x: f64, when: &str, values: Vec<CrosshairValue>, by_keys: bool) {
         self.aloud
             .set(if by_keys { "polite" } else { "off" }.to_owned());
         self.when.set(when);
@@ -195,8 +186,8 @@ impl Overlay {
         let shown = texts.iter().map(Option::is_some).collect();
         for (row, text) in self.rows.iter_mut().zip(texts) {
             let text = text.unwrap_or_default();
-            row.value.set(text.clone());
-            row.legend.set(text);
+            row.value.set(&text);
+            row.legend.set(&text);
         }
         shown
     }

@@ -90,7 +90,7 @@ impl Stage {
         let reference = reference_us.map(Instant::from_micros);
         let values = values_at(shown, model, Instant::from_micros(at_us), reference);
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
-        self.overlay.show(x, when, values, by_keys);
+        self.overlay.show(x, &when, values, by_keys);
     }
 }
 

@@ -15,8 +15,10 @@ use crate::{
         snapshot::Session,
     },
     ui::{
+        attribute::Attribute,
         list::replace_keeping_focus,
         reactive::{effect, handler, memo},
+        text::Text,
     },
 };
 
@@ -136,14 +138,13 @@ fn offer_group(page: Page, found: Memo<Vec<MotorId>>) {
 #[derive(Default)]
 struct Chips {
     html: String,
-    chips: Vec<(MotorId, [Value; 5])>,
+    chips: Vec<(MotorId, [Option<Value>; 5])>,
 }
 
-/// The element of a value.
-#[derive(Default)]
+/// The text of a value, and its look.
 struct Value {
-    element: Option<Element>,
-    written: Figure,
+    text: Text,
+    look: Attribute,
 }
 
 impl Chips {
@@ -153,10 +154,8 @@ impl Chips {
             let number = id.get();
             let places = FIGURES.map(|name| {
                 let selector = format!("[value='{number}'] ~ [data-figure='{name}']");
-                Value {
-                    element: row.query_selector(&selector).ok().flatten(),
-                    written: Figure::default(),
-                }
+                let element = row.query_selector(&selector).ok().flatten();
+                element.map(Value::of)
             });
             (*id, places)
         };
@@ -169,22 +168,24 @@ impl Chips {
     fn write(&mut self, session: &Session) {
         for (id, places) in &mut self.chips {
             for (place, figure) in places.iter_mut().zip(figures(session, *id)) {
-                place.write(figure);
+                if let Some(value) = place {
+                    value.write(&figure);
+                }
             }
         }
     }
 }
 
 impl Value {
-    fn write(&mut self, figure: Figure) {
-        let Some(element) = &self.element else { return };
-        if self.written.text != figure.text {
-            element.set_text_content(Some(&figure.text));
+    fn of(element: Element) -> Self {
+        Self {
+            text: Text::of(element.clone()),
+            look: Attribute::of(element, "data-look"),
         }
-        if self.written.look != figure.look {
-            // It fails only for invalid names.
-            let _ = element.set_attribute("data-look", figure.look);
-        }
-        self.written = figure;
+    }
+
+    fn write(&mut self, figure: &Figure) {
+        self.text.set(&figure.text);
+        self.look.set(figure.look.to_owned());
     }
 }

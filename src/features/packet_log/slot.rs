@@ -4,7 +4,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::recorder::{Kind, Row};
 use web_sys::Element;
 
-use crate::ui::format::grouped;
+use crate::ui::{attribute::Attribute, format::grouped, text::Text};
 
 /// The parts have spaces between them, so that a copied row is readable.
 const PARTS: &str = "<div class=\"packet\"><span class=\"packet-time\"></span> \
@@ -15,11 +15,13 @@ const PARTS: &str = "<div class=\"packet\"><span class=\"packet-time\"></span> \
 /// An element that shows different rows over time.
 pub(crate) struct Slot {
     element: Element,
-    time: Element,
-    kind: Element,
-    id: Element,
-    hex: Element,
-    meaning: Element,
+    time: Text,
+    kind: Text,
+    id: Text,
+    hex: Text,
+    meaning: Text,
+    /// The tooltip with the whole meaning, for a row that is too narrow.
+    title: Attribute,
     toggle: Element,
     shown: Option<Row>,
 }
@@ -37,11 +39,12 @@ impl Slot {
         let toggle = meaning.next_element_sibling()?;
         Some(Self {
             element,
-            time,
-            kind,
-            id,
-            hex,
-            meaning,
+            time: Text::of(time),
+            kind: Text::of(kind),
+            id: Text::of(id),
+            hex: Text::of(hex),
+            title: Attribute::of(meaning.clone(), "title"),
+            meaning: Text::of(meaning),
             toggle,
             shown: None,
         })
@@ -59,21 +62,26 @@ impl Slot {
         self.shown = row.cloned();
         let Some(row) = row else {
             self.element.set_class_name("packet");
-            for part in [&self.time, &self.kind, &self.id, &self.hex, &self.meaning] {
-                part.set_text_content(None);
+            for part in [
+                &mut self.time,
+                &mut self.kind,
+                &mut self.id,
+                &mut self.hex,
+                &mut self.meaning,
+            ] {
+                part.set("");
             }
             self.show_toggle(None);
             return;
         };
         let (class, kind) = looks(row);
         self.element.set_class_name(class);
-        self.time.set_text_content(Some(&row.time));
-        self.kind.set_text_content(Some(kind));
-        self.id.set_text_content(Some(&row.id));
-        self.hex.set_text_content(Some(&row.hex));
-        self.meaning.set_text_content(Some(&row.meaning));
-        // Setting an attribute does not fail. It has the whole text, for a row that is too narrow.
-        let _ = self.meaning.set_attribute("title", &row.meaning);
+        self.time.set(&row.time);
+        self.kind.set(kind);
+        self.id.set(&row.id);
+        self.hex.set(&row.hex);
+        self.meaning.set(&row.meaning);
+        self.title.set(row.meaning.clone());
         self.show_toggle(toggle(row));
         // A press of the button is handled by the list, for all rows.
         let _ = self.toggle.set_attribute("value", &row.number.to_string());

@@ -19,6 +19,7 @@ use crate::{
     ui::{
         format::{self, UNKNOWN},
         reactive::effect,
+        text::write_text,
     },
 };
 
@@ -61,7 +62,7 @@ pub(crate) fn show(rover: Rover) {
             });
             for (place, text) in (0..).zip(figures.texts) {
                 if let Some(words) = cards.get_elements_by_tag_name("bdi").item(place) {
-                    words.set_text_content(Some(&text));
+                    write_text(&words, &text);
                 }
             }
             if let Some(temperature) = cards.last_element_child() {

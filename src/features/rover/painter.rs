@@ -21,6 +21,7 @@ use crate::{
         attribute::Attribute,
         frame_rate::frame_rate,
         mathematics::{limited, modulo},
+        text::Text,
     },
 };
 
@@ -28,28 +29,6 @@ use crate::{
 const MAP_MARGIN_MM: f64 = 300.0;
 /// A map is this many times as wide as the arrow on it.
 const MAP_OF_ARROW: f64 = 12.0;
-
-/// The text of an element, written only when it changes.
-struct Words {
-    element: Element,
-    written: String,
-}
-
-impl Words {
-    fn find(inside: &Element, selector: &str) -> Option<Self> {
-        Some(Self {
-            element: inside.query_selector(selector).ok().flatten()?,
-            written: String::new(),
-        })
-    }
-
-    fn set(&mut self, text: &str) {
-        if self.written != text {
-            self.element.set_text_content(Some(text));
-            text.clone_into(&mut self.written);
-        }
-    }
-}
 
 /// The parts of one wheel, in the drawing and on its card.
 struct WheelParts {
@@ -62,9 +41,9 @@ struct WheelParts {
     commanded: Attribute,
     measured: Attribute,
     card_look: Attribute,
-    speed: Words,
-    rest: Words,
-    trouble: Words,
+    speed: Text,
+    rest: Text,
+    trouble: Text,
 }
 
 /// The speeds of a wheel in rpm, + is forward; `None` where it is unknown or not commanded.
@@ -80,7 +59,7 @@ pub(crate) struct Painter {
     geometry: Geometry,
     scale: Scale,
     wheels: Vec<WheelParts>,
-    description: Words,
+    description: Text,
     ground: Attribute,
     grid: Attribute,
     trail: Attribute,
@@ -89,7 +68,7 @@ pub(crate) struct Painter {
     measured: Attribute,
     map: Attribute,
     here: Attribute,
-    figures: [Words; 5],
+    figures: [Text; 5],
 }
 
 impl Painter {
@@ -105,7 +84,7 @@ impl Painter {
             geometry,
             scale: Scale::of(vehicle, geometry),
             wheels: wheels.collect::<Option<_>>()?,
-            description: Words::find(panel, "desc")?,
+            description: Text::find(panel, "desc")?,
             ground: find(".rover-ground", "transform")?,
             grid: find(".rover-grid", "transform")?,
             trail: find(".rover-trail", "transform")?,
@@ -119,11 +98,11 @@ impl Painter {
             map: find(".rover-map", "viewBox")?,
             here: find(".rover-here", "transform")?,
             figures: [
-                Words::find(panel, "#rover-forward")?,
-                Words::find(panel, "#rover-turn")?,
-                Words::find(panel, "#rover-driven")?,
-                Words::find(panel, "#rover-heading")?,
-                Words::find(panel, "#rover-gap-count")?,
+                Text::find(panel, "#rover-forward")?,
+                Text::find(panel, "#rover-turn")?,
+                Text::find(panel, "#rover-driven")?,
+                Text::find(panel, "#rover-heading")?,
+                Text::find(panel, "#rover-gap-count")?,
             ],
         })
     }
@@ -245,9 +224,9 @@ fn wheel_parts(panel: &Element, wheel: &Wheel) -> Option<WheelParts> {
         commanded: find(".rover-bar.commanded", "d")?,
         measured: find(".rover-bar.measured", "d")?,
         look: Attribute::of(drawn, "data-look"),
-        speed: Words::find(&card, ".rover-speed span")?,
-        rest: Words::find(&card, ".rover-rest")?,
-        trouble: Words::find(&card, ".rover-trouble")?,
+        speed: Text::find(&card, ".rover-speed span")?,
+        rest: Text::find(&card, ".rover-rest")?,
+        trouble: Text::find(&card, ".rover-trouble")?,
         card_look: Attribute::of(card, "data-look"),
     })
 }

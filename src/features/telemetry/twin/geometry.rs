@@ -56,7 +56,7 @@ fn arc_on(radius: f64, from_deg: f64, to_deg: f64) -> String {
 /// A ring about the axle, to be filled by the even-odd rule.
 #[must_use]
 pub fn annulus(inner: f64, outer: f64) -> String {
-    format!("{}{}", circle(0.0, 0.0, outer), circle(0.0, 0.0, inner))
+    [circle(0.0, 0.0, outer), circle(0.0, 0.0, inner)].concat()
 }
 
 /// A circle as path data, so that one element can contain many.
@@ -161,7 +161,7 @@ impl TreadBlock {
 #[must_use]
 pub fn d_shaft(radius: f64, flat: f64) -> String {
     let half_deg = limited(flat / 2.0 / radius, -1.0, 1.0).asin().to_degrees();
-    format!("{}Z", arc(radius, half_deg, 360.0 - half_deg))
+    arc(radius, half_deg, 360.0 - half_deg) + "Z"
 }
 
 /// A hexagon about a point, as the socket of a screw; `radius` is the distance of its corners.

@@ -1,6 +1,6 @@
 //! Draws a view by setting a few attributes of the picture, and only those that differ.
 
-use leptos::web_sys::{Element, SvgElement};
+use leptos::web_sys::SvgElement;
 use motorlink_messages::protocol::Setpoint;
 
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
         texts::{Motion, description},
         turning::Turning,
     },
-    ui::{attribute::Attribute, frame_rate::frame_rate},
+    ui::{attribute::Attribute, frame_rate::frame_rate, text::Text},
 };
 
 /// The moving parts of a mounted picture.
@@ -20,7 +20,7 @@ pub struct Painter {
     wheel: Look,
     scale: SpeedScale,
     look: Attribute,
-    description: (Element, String),
+    description: Text,
     turning: Turning,
     tread: Attribute,
     tread_band: Attribute,
@@ -45,10 +45,7 @@ impl Painter {
                 limit_rpm: wheel.speed_rpm_max.into(),
             },
             look: Attribute::of(picture.clone().into(), "data-look"),
-            description: (
-                picture.query_selector("desc").ok().flatten()?,
-                String::new(),
-            ),
+            description: Text::find(picture, "desc")?,
             turning: Turning::find(picture)?,
             tread: find(".twin-tread", "opacity")?,
             tread_band: find(".twin-tread-band", "opacity")?,
@@ -71,11 +68,8 @@ impl Painter {
         self.paint_speed(view.pose.speed_rpm);
         self.paint_goal(view.goal);
         self.look.set(look(view));
-        let said = description(view.motion, view.figures.map(|figures| figures.speed));
-        if self.description.1 != said {
-            self.description.0.set_text_content(Some(&said));
-            self.description.1 = said;
-        }
+        let speed = view.figures.map(|figures| figures.speed);
+        self.description.set(&description(view.motion, speed));
     }
 
     fn paint_wheel(&mut self, view: &View) {
@@ -142,7 +136,7 @@ fn look(view: &View) -> String {
         Some(Setpoint::Current(_) | Setpoint::OpenLoop(_)) | None => "",
     };
     let driven = if view.driven { " goal-driven" } else { "" };
-    format!("{motion}{goal}{driven}")
+    [motion, goal, driven].concat()
 }
 
 /// An opacity in steps of a twentieth: each change inside the turning layer rasterizes it again.
