@@ -5,7 +5,10 @@ use std::{thread, time::Duration};
 use anyhow::Result;
 use end_to_end::{Bench, Line, figures::row_without_bound, threads_time};
 
-use crate::driving::{SETTLES, connected, spin};
+use crate::{
+    crowd,
+    driving::{SETTLES, connected, spin},
+};
 
 const HERTZ: u16 = 50;
 
@@ -19,9 +22,23 @@ const THREADS: [(&str, &str); 5] = [
 ];
 
 pub fn measure(watched: Duration) -> Result<()> {
+    for motors in [1, 4] {
+        measure_with(motors, watched)?;
+    }
+    Ok(())
+}
+
+fn measure_with(motors: u8, watched: Duration) -> Result<()> {
     let bench = Bench::start()?;
-    let (_adapter, page) = connected(&bench, Line::default())?;
-    spin(&page, HERTZ)?;
+    let (_adapter, page) = connected(&bench, Line::with_motors(&(1..=motors).collect::<Vec<_>>()))?;
+    let driven = if motors == 1 {
+        spin(&page, HERTZ)?;
+        "one motor".to_owned()
+    } else {
+        // The command rate is 50 Hz unless somebody changes it.
+        crowd::drive(&page, motors, motors)?;
+        format!("{motors} motors together")
+    };
     for page_is in ["visible", "hidden"] {
         if page_is == "hidden" {
             bench.hide(&page)?;
@@ -39,7 +56,7 @@ pub fn measure(watched: Duration) -> Result<()> {
             words.push(format!("{what} {a_second_ms:.0}"));
         }
         row_without_bound(
-            &format!("processor time of a second, one motor at {HERTZ} Hz, page {page_is}"),
+            &format!("processor time of a second, {driven} at {HERTZ} Hz, page {page_is}"),
             format!("{total_ms:.0} ms: {}", words.join(", ")),
         );
     }
