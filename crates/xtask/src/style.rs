@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_changes_restyles_little() {
+    fn no_selector_of_the_page_is_costly() {
         let dir = Workspace::find().unwrap().root().join("style");
         let sheets = style(&dir).unwrap() + &style(&dir.join("later")).unwrap();
         let sheets = minify::css(&sheets);
