@@ -121,6 +121,8 @@ mod tests {
     #[test]
     fn content_that_is_too_long_is_skipped() {
         assert!(written(&[(1, vec![0; CONTENT_MAX + 1])]).is_empty());
+        let longest = [(1, vec![0; CONTENT_MAX])];
+        assert_eq!(read(written(&longest)), longest);
     }
 
     /// Content that contains marks.
