@@ -88,13 +88,16 @@ fn a_watcher_sees_the_wheel_and_stops_it_and_control_is_handed_over_both_ways() 
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let remote = Remote::serve(&adapter)?;
     let first = remote.open(&bench)?;
+    // Loading a page can delay that of the operator beyond its lease.
+    let second = remote.open(&bench)?;
+    first.show()?;
     operator(&first, "Nobody drives.")?;
     wait_until_enabled(&first, "button", "+100", false)?;
     first.click("button", "Take control")?;
     operator(&first, "You drive.")?;
     spins(&first)?;
 
-    let second = remote.open(&bench)?;
+    second.show()?;
     operator(&second, "Viewer 1 (127.0.0.1) drives.")?;
     wait_for_speed(&second, 97..=103)?;
     wait_until_enabled(&second, "button", "+100", false)?;
@@ -143,10 +146,13 @@ fn an_operator_that_hangs_or_goes_has_the_wheel_stopped_and_a_watcher_that_goes_
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let remote = Remote::serve(&adapter)?;
     let page = remote.open(&bench)?;
+    // Before the wheel turns, as the second one below: see above.
+    let going = remote.open(&bench)?;
+    page.show()?;
     page.click("button", "Take control")?;
     operator(&page, "You drive.")?;
     spins(&page)?;
-    bench.close(remote.open(&bench)?)?;
+    bench.close(going)?;
     thread::sleep(Duration::from_millis(700));
     wait_for_speed(&page, 97..=103)?;
 
@@ -163,14 +169,16 @@ fn an_operator_that_hangs_or_goes_has_the_wheel_stopped_and_a_watcher_that_goes_
     operator(&page, "Nobody drives.")?;
     wait_for_speed(&page, 0..=0)?;
     assert_ends_braked(&adapter.wire()?.since(hanging));
+    let watcher = remote.open(&bench)?;
+    page.show()?;
     page.click("button", "Take control")?;
     operator(&page, "You drive.")?;
     release(&page)?;
     spins(&page)?;
 
-    let watcher = remote.open(&bench)?;
     let closing = now_us();
     bench.close(page)?;
+    watcher.show()?;
     operator(&watcher, "Nobody drives.")?;
     watcher.wait_for_text("output", "Speed", |text| number(text) == Some(0.0))?;
     assert_ends_braked(&adapter.wire()?.since(closing));
