@@ -12,6 +12,8 @@ async function start() {
   program.catch(() => {});
   const glue = await import("./{{glue}}");
   await glue.default({ module_or_path: program });
+  // The program `tasks` starts the task with the name of this worker. The others have no `start`.
+  await glue.start?.(self.name);
   self.removeEventListener("message", keep);
   for (const { data, ports } of early) {
     self.dispatchEvent(new MessageEvent("message", { data, ports: [...ports] }));
@@ -19,4 +21,4 @@ async function start() {
 }
 
 // A rejected promise stays inside the worker. A reported error reaches the `error` event of the page's Worker.
-start().catch((error) => self.reportError(error));
+start().catch(reportError);

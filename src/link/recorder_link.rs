@@ -10,7 +10,7 @@ use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, MessageChannel, MessagePort};
 
 use crate::link::{
-    started_worker::{NoWorker, Program, StartedWorker},
+    started_worker::{NoWorker, Role, StartedWorker},
     worker_link::WorkerLink,
 };
 
@@ -25,7 +25,7 @@ impl RecorderLink {
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
         let started = StartedWorker::start(
-            Program::Recorder,
+            Role::Recorder,
             Box::new(move |_, data| {
                 let (bytes, file) = with_file(data);
                 match decode::<FromRecorder>(&Uint8Array::new(&bytes).to_vec()) {

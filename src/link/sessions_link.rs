@@ -9,7 +9,7 @@ use motorlink_messages::{
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::Blob;
 
-use crate::link::started_worker::{NoWorker, Program, StartedWorker};
+use crate::link::started_worker::{NoWorker, Role, StartedWorker};
 
 /// The page's end of the link.
 pub(crate) struct SessionsLink(StartedWorker);
@@ -22,7 +22,7 @@ impl SessionsLink {
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
         let started = StartedWorker::start(
-            Program::Sessions,
+            Role::Sessions,
             Box::new(move |_, data| {
                 let (bytes, file) = match data.dyn_ref::<Array>() {
                     Some(pair) => (pair.get(0), pair.get(1).dyn_into().ok()),

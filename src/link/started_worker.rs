@@ -17,10 +17,11 @@ pub(crate) enum NoWorker {
     NotStarted,
 }
 
-/// The program of a worker. A `meta` element has its address, which the build writes.
+/// A worker. A `meta` element has the address of its script, which the build writes. The program `tasks` starts the task
+/// with the name of its worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
 #[strum(serialize_all = "snake_case", const_into_str)]
-pub(crate) enum Program {
+pub(crate) enum Role {
     /// Owns the port.
     Worker,
     /// Keeps the packet log and the recording.
@@ -29,7 +30,7 @@ pub(crate) enum Program {
     Sessions,
 }
 
-impl Program {
+impl Role {
     fn address(self) -> Option<String> {
         files::address(&format!("motorlink-{}", self.into_str()))
     }
@@ -48,14 +49,14 @@ pub(crate) type OnMessage = Box<dyn FnMut(&Worker, &JsValue)>;
 impl StartedWorker {
     /// Starts the worker that the page names. `lost` is called when it has failed.
     pub(crate) fn start(
-        program: Program,
+        role: Role,
         mut on_message: OnMessage,
         mut lost: Box<dyn FnMut()>,
     ) -> Result<Self, NoWorker> {
-        let url = program.address().ok_or(NoWorker::NotNamed)?;
+        let url = role.address().ok_or(NoWorker::NotNamed)?;
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
-        options.set_name(program.into_str());
+        options.set_name(role.into_str());
         let worker = Worker::new_with_options(&url, &options).map_err(|_| NoWorker::NotStarted)?;
 
         let receiver = worker.clone();

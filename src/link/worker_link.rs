@@ -8,7 +8,7 @@ use motorlink_messages::{ToPage, ToWorker, decode, encode};
 use web_sys::{MessagePort, Worker};
 
 use crate::{
-    link::started_worker::{NoWorker, Program, StartedWorker, post},
+    link::started_worker::{NoWorker, Role, StartedWorker, post},
     ui::clock::page_now_ms,
 };
 
@@ -69,7 +69,7 @@ impl WorkerLink {
         let pings = Rc::<Pings>::default();
         let received = Rc::clone(&pings);
         let worker = StartedWorker::start(
-            Program::Worker,
+            Role::Worker,
             Box::new(move |worker, data| {
                 match decode::<ToPage>(&Uint8Array::new(data).to_vec()) {
                     // At once and before anything else: a hidden page answers too, and a page whose

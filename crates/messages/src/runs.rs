@@ -1,6 +1,6 @@
 //! The messages between the page and the run of an experiment.
 //!
-//! Runs are a program of their own, which the port worker loads when the first run is armed. The port worker passes
+//! The port worker loads the program of the runs when the first run is armed. The port worker passes
 //! these messages on as bytes, so that neither it nor the first program of the page contains them.
 
 use std::time::Duration;

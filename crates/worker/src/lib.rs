@@ -4,8 +4,8 @@
 //! a busy page is late, but a worker's loop is not affected. The recorder keeps the packet log and the
 //! recording in a second worker, so that slow work there delays neither frames nor the screen. A third one
 //! writes, reads and replays session files; it is started when it is used. The runs of experiments are a program that the
-//! first one loads into its own thread. They are separate programs (`src/bin/`), so
-//! that the page loads first. The messages between the page and the workers are in `motorlink-messages`.
+//! first one loads into its own thread. Recorder, session worker and runs are instances of one program, `tasks`
+//! (`src/bin/tasks/`), each with its own memory. The messages between the page and the workers are in `motorlink-messages`.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -25,7 +25,7 @@
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
 //! | `scope` | the worker's global object: clock, messages |
-//! | `runs` | the runs of experiments: a program of its own, which the port worker loads and calls |
+//! | `runs` | the runs of experiments: an instance of the program `tasks`, which the port worker loads and calls |
 //! | `recorder` | the second worker: `motorlink-recorder` in the browser |
 //! | `sessions` | the third worker: `motorlink-session` in the browser |
 //! | `remote` | the worker of a page that comes from a server: it connects page and server |

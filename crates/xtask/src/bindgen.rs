@@ -22,10 +22,12 @@ pub const PAGE: &str = "motorlink";
 /// The same, as cargo names it.
 const PAGE_OF_CARGO: &str = "page";
 
+/// The program of the tasks beside the port, which is split too.
+pub const TASKS: &str = "tasks";
+
 /// The programs that a browser loads, by the stem of their files: what a person sees, the worker that owns the port, the
-/// one that keeps packet log and recording, the one that writes and reads session files, and the runs of experiments in
-/// the thread of the port worker; and the worker that connects the page to a server.
-pub const PROGRAMS: [&str; 6] = [PAGE, "worker", "recorder", "sessions", "runs", "remote"];
+/// tasks beside it, and the worker that connects the page to a server.
+pub const PROGRAMS: [&str; 4] = [PAGE, "worker", TASKS, "remote"];
 
 /// The modules of the programs, by their names.
 pub type Programs = BTreeMap<&'static str, Module>;
@@ -49,7 +51,11 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
     let mut cargo = cargo::wasm(workspace, "build", &["--bins"])?;
     if profile == Profile::Release {
         // In parts, and with one language: the others are files of their own.
-        cargo.args(["--no-default-features", "--features", "motorlink/parts"]);
+        cargo.args([
+            "--no-default-features",
+            "--features",
+            "motorlink/parts,motorlink-worker/parts",
+        ]);
         // A panic names its file. Without the folder of the registry it takes less, and is the same on every machine.
         for sources in registry_sources()? {
             let short = format!("--remap-path-prefix={}/=", sources.display());
@@ -93,9 +99,9 @@ fn bind(workspace: &Workspace, profile: Profile, name: &str, bindgen: &Path) -> 
         fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
     }
 
-    let in_parts = name == PAGE && profile == Profile::Release;
+    let in_parts = matches!(name, PAGE | TASKS) && profile == Profile::Release;
     let split = in_parts
-        .then(|| parts::split(&built, &out.join("split")))
+        .then(|| parts::split(name, &built, &out.join("split")))
         .transpose()?;
     let built = split.as_ref().map_or(built, |split| split.main.clone());
 

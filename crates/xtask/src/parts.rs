@@ -1,4 +1,4 @@
-//! Splits the page's wasm file into the main file and the parts that are fetched later.
+//! Splits the wasm file of a program into the main file and the parts that are fetched later.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,9 +8,8 @@ use wasm_encoder::{Module, RawSection};
 use wasm_split_cli_support::{Options, transform};
 use wasmparser::{Parser, Payload};
 
-/// How the splitter's script and the main wasm file name each other's module.
+/// How the main wasm file names the splitter's script.
 const LOADERS: &str = "./loaders.js";
-const MAIN: &str = "./motorlink.js";
 
 /// Instantiates a part, on any server.
 const INSTANTIATE: &str = include_str!("../../../boot/parts.js");
@@ -25,8 +24,8 @@ pub struct Split {
     loaders: String,
 }
 
-/// Splits a wasm file that was linked with relocations.
-pub fn split(built: &Path, out: &Path) -> Result<Split> {
+/// Splits the wasm file of this program, which was linked with relocations.
+pub fn split(program: &str, built: &Path, out: &Path) -> Result<Split> {
     fs::create_dir_all(out).with_context(|| format!("making {}", out.display()))?;
     let input = fs::read(built).with_context(|| format!("reading {}", built.display()))?;
     let main = out.join("main.wasm");
@@ -34,8 +33,10 @@ pub fn split(built: &Path, out: &Path) -> Result<Split> {
     options.output_dir = out;
     options.main_out_path = &main;
     options.link_name = LOADERS;
-    options.main_module = MAIN;
-    let split = transform(options).map_err(|error| anyhow!("splitting the page: {error:#}"))?;
+    // The splitter's script imports it. `join` drops the import, because the script becomes a part of the glue.
+    let glue = format!("./{program}.js");
+    options.main_module = &glue;
+    let split = transform(options).map_err(|error| anyhow!("splitting {program}: {error:#}"))?;
     let mut parts = Vec::new();
     for path in split.split_modules {
         let name = path.file_name().context("a part without a name")?;

@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use motorlink_i18n::Language;
 use motorlink_web_server::compression;
 
-use crate::bindgen::{self, PAGE, Programs, files_below};
+use crate::bindgen::{self, PAGE, Programs, TASKS, files_below};
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
 use crate::service_worker::{self, is_for_installing};
@@ -104,14 +104,12 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let mut files = Files::default();
     let later_style = minify::css(&parts.later_style);
     let later_style = files.add_hashed("later-style", "css", later_style.as_bytes());
-    let page_boot = files.add_boot(
-        "page",
-        &parts.page_boot,
-        &parts.programs,
-        PAGE,
-        &[("later_style", &later_style)],
-    )?;
-    let runs = files.add_program(&parts.programs, "runs")?;
+    let page = files.add_program(&parts.programs, PAGE)?;
+    let later_style = [("later_style", later_style.as_str())];
+    let page_boot = files.add_boot("page", &parts.page_boot, &page, &later_style)?;
+    let tasks = files.add_program(&parts.programs, TASKS)?;
+    let tasks_boot = files.add_boot(TASKS, &parts.worker_boot, &tasks, &[])?;
+    let worker = files.add_program(&parts.programs, "worker")?;
     let worker_boot = files.add_boot(
         "worker",
         &[
@@ -120,26 +118,11 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
             &parts.worker_boot,
         ]
         .concat(),
-        &parts.programs,
-        "worker",
-        &[("runs_wasm", &runs.wasm), ("runs_glue", &runs.glue)],
+        &worker,
+        &[("tasks_wasm", &tasks.wasm), ("tasks_glue", &tasks.glue)],
     )?;
-    let recorder_boot = files.add_boot(
-        "recorder",
-        &parts.worker_boot,
-        &parts.programs,
-        "recorder",
-        &[],
-    )?;
-    let sessions_boot = files.add_boot(
-        "sessions",
-        &parts.worker_boot,
-        &parts.programs,
-        "sessions",
-        &[],
-    )?;
-    let remote_boot =
-        files.add_boot("remote", &parts.worker_boot, &parts.programs, "remote", &[])?;
+    let remote = files.add_program(&parts.programs, "remote")?;
+    let remote_boot = files.add_boot("remote", &parts.worker_boot, &remote, &[])?;
     let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
         let stem = format!("texts-{}", language.key());
         files.add_hashed(&stem, "txt", motorlink_i18n::file(language).as_bytes())
@@ -150,8 +133,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &minify::html(&parts.index),
         &[
             ("worker", &worker_boot),
-            ("recorder", &recorder_boot),
-            ("sessions", &sessions_boot),
+            ("tasks", &tasks_boot),
             ("remote", &remote_boot),
             ("german", &german),
             ("chinese", &chinese),
@@ -203,7 +185,11 @@ impl Files {
         }
         for (part, wasm) in &module.parts {
             let stem = part.trim_end_matches(".wasm").trim_start_matches("split_");
-            let hashed = self.add_hashed(stem, "wasm", wasm);
+            let stem = match name {
+                PAGE => stem.to_owned(),
+                _ => format!("{name}_{stem}"),
+            };
+            let hashed = self.add_hashed(&stem, "wasm", wasm);
             glue = glue.replace(&format!("\"./{part}\""), &format!("\"./{hashed}\""));
         }
         let glue = minify::glue(&glue);
@@ -213,17 +199,15 @@ impl Files {
         })
     }
 
-    /// Adds a program and the script that starts it, which contains these other names too.
+    /// Adds the script that starts a program, which contains these other names too.
     fn add_boot(
         &mut self,
         stem: &str,
         boot: &str,
-        programs: &Programs,
-        program: &str,
+        program: &Names,
         others: &[(&str, &str)],
     ) -> Result<String> {
-        let Names { wasm, glue } = self.add_program(programs, program)?;
-        let own = [("wasm", wasm.as_str()), ("glue", glue.as_str())];
+        let own = [("wasm", program.wasm.as_str()), ("glue", &program.glue)];
         let boot = fill(boot, &[&own, others].concat())?;
         let boot = minify::script(&boot);
         Ok(self.add_hashed(&format!("{stem}-boot"), "js", boot.as_bytes()))
@@ -282,14 +266,21 @@ mod tests {
             parts: vec![("split_graph.wasm".to_owned(), b"graph".to_vec())],
             snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
         };
+        // Both programs have a part of this name.
+        let tasks = Module {
+            glue: "fetch(\"./split_graph.wasm\");".to_owned(),
+            parts: vec![("split_graph.wasm".to_owned(), b"of tasks".to_vec())],
+            ..Module::default()
+        };
         let mut programs: Programs = PROGRAMS.map(|name| (name, Module::default())).into();
         programs.insert(PAGE, page);
+        programs.insert(TASKS, tasks);
         Parts {
             programs,
             page_boot: "{{wasm}} {{glue}} {{later_style}}".to_owned(),
             worker_boot: "{{wasm}} {{glue}}".to_owned(),
             adapters: "adapters".to_owned(),
-            runs_loader: "{{runs_wasm}} {{runs_glue}}".to_owned(),
+            runs_loader: "{{tasks_wasm}} {{tasks_glue}}".to_owned(),
             installed: "installed".to_owned(),
             style: "p {}".to_owned(),
             later_style: "q {}".to_owned(),
@@ -315,8 +306,7 @@ mod tests {
         for stem in [
             "page-boot-",
             "worker-boot-",
-            "recorder-boot-",
-            "sessions-boot-",
+            "tasks-boot-",
             "installed-",
             "style-",
         ] {
@@ -334,16 +324,21 @@ mod tests {
         for (boot, stem) in [
             ("page-boot-", "motorlink-"),
             ("worker-boot-", "worker-"),
-            ("recorder-boot-", "recorder-"),
-            ("sessions-boot-", "sessions-"),
+            ("tasks-boot-", "tasks-"),
         ] {
             let text = starting(&files, boot).1;
             assert!(text.contains(".wasm") && text.contains(&format!("{stem}glue-")));
         }
-        let (runs, _) = starting(&files, "runs-glue-");
-        assert!(starting(&files, "worker-boot-").1.contains(&runs), "{runs}");
-        let (part, _) = starting(&files, "graph-");
-        assert!(glue_text.contains(&format!("\"./{part}\"")), "{glue_text}");
+        let (tasks, _) = starting(&files, "tasks-glue-");
+        assert!(
+            starting(&files, "worker-boot-").1.contains(&tasks),
+            "{tasks}"
+        );
+        let tasks_glue = starting(&files, "tasks-glue-").1;
+        for (glue, part) in [(glue_text, "graph-"), (tasks_glue, "tasks_graph-")] {
+            let (part, _) = starting(&files, part);
+            assert!(glue.contains(&format!("\"./{part}\"")), "{glue}");
+        }
         let (snippet, _) = starting(&files, "motorlink-snippets-");
         assert!(glue_text.contains(&format!("'./{snippet}'")), "{glue_text}");
         starting(&files, "icon.svg");

@@ -35,7 +35,7 @@ fn pages_with_the_clock(dir: &Path) -> Result<()> {
         let file = file?;
         let name = file.file_name();
         let name = name.to_string_lossy();
-        let starts = ["page-boot-", "worker-boot-", "recorder-boot-"];
+        let starts = ["page-boot-", "worker-boot-", "tasks-boot-"];
         if starts.iter().any(|start| name.starts_with(start)) && name.ends_with(".js") {
             let content = fs::read(file.path())?;
             fs::write(
