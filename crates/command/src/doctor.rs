@@ -109,11 +109,11 @@ fn examine(
     let mut record = Record::default();
     let was_quiet = watch(connection, how, &mut record)?;
     let at_rest = record.verdict().clone();
-    // Two motors with one ID would both turn, and what is lost may be a stop.
+    // Two motors with one ID would both turn, and what is lost may be a stop, whatever the cause.
     let is_well = matches!(
         at_rest,
         Verdict::Healthy | Verdict::SomeLoss | Verdict::LossEnded
-    );
+    ) && !record.loses_much();
     let mut turning = None;
     if let Some(setpoint) = setpoint
         && may_turn

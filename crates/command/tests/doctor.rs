@@ -55,7 +55,7 @@ fn lost_replies_are_named_with_their_figures_and_no_wheel_turns_on_such_a_line()
     let mut bench = Bench::new(&["--lose-replies", "0.3"]);
     let (said, fastest) = watched(&mut bench, "--id 1 doctor --secs 8 --rpm 60 --yes --json");
     assert_eq!(said.code, Some(1), "{said:?}");
-    assert!(fastest < 1.0, "{fastest} rpm");
+    assert!(fastest < 1.0, "{fastest} rpm: {said:?}");
     let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(found["at_rest"]["verdict"], "faulty", "{found}");
     assert!(found["turning"].is_null(), "{found}");

@@ -265,10 +265,11 @@ pub fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
 }
 
 fn is_lossy(motor: &MotorFindings) -> bool {
-    let heard = motor.heard;
-    heard.asked >= ASKED_TO_BE_LOSSY
-        && heard.lost() >= LOST_MIN
-        && heard.lost_per_mille() >= LOSSY_PER_MILLE
+    motor.heard.asked >= ASKED_TO_BE_LOSSY && loses_much(&motor.heard)
+}
+
+pub(crate) fn loses_much(tally: &Tally) -> bool {
+    tally.lost() >= LOST_MIN && tally.lost_per_mille() >= LOSSY_PER_MILLE
 }
 
 fn of_motor(motor: &MotorFindings, computer_is_late: bool) -> Option<Diagnosis> {

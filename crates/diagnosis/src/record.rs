@@ -10,6 +10,7 @@ use motorlink_protocol::{Instant, MotorId};
 use crate::{
     doctor::{
         Findings, LATENCY_TIMER_ENDS_US, MotorFindings, Verdict, diagnose, header_says_lossy,
+        loses_much,
     },
     tally::Tally,
 };
@@ -159,6 +160,15 @@ impl Record {
     #[must_use]
     pub const fn verdict(&self) -> &Verdict {
         &self.verdict
+    }
+
+    /// Whether a motor lost 5 % or more in the last ten seconds. The verdict does not say so where the computer is late,
+    /// and so may be the cause.
+    #[must_use]
+    pub fn loses_much(&self) -> bool {
+        let findings = self.findings(&self.seen, RoundTripStatus::default());
+        let mut motors = findings.motors.iter();
+        motors.any(|motor| loses_much(&motor.recent))
     }
 
     /// What happened to all motors in the last seconds, at most ten, and how many seconds these were.

@@ -133,6 +133,24 @@ fn a_lossy_line_is_never_called_healthy() {
     }
 }
 
+/// A late computer is no cause that can be named, but what is lost may be a stop.
+#[test]
+fn a_line_that_loses_much_is_told_on_a_late_computer_too() {
+    for (lose_reply, loses_much) in [(0.3, true), (0.01, false)] {
+        let faults = WireFaults {
+            lose_reply,
+            ..WireFaults::default()
+        };
+        for seed in 0..40 {
+            let mut bus = faulty(faults.clone(), seed);
+            bus.late_hz = Some(50);
+            let verdict = bus.run(8).clone();
+            assert!(!matches!(verdict, Verdict::Faulty(_)), "{verdict:?}");
+            assert_eq!(bus.record.loses_much(), loses_much, "seed {seed}");
+        }
+    }
+}
+
 /// For each loss rate, at rest or driven.
 #[test]
 fn the_doctor_is_never_better_than_the_header() {

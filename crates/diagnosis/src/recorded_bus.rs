@@ -19,6 +19,8 @@ pub struct RecordedBus {
     pub bus: Bus,
     pub world: World,
     pub record: Record,
+    /// The late calls and replies a second that the record is told instead of those of the bus.
+    pub late_hz: Option<u16>,
 }
 
 impl RecordedBus {
@@ -41,6 +43,7 @@ impl RecordedBus {
             bus,
             world,
             record: Record::default(),
+            late_hz: None,
         }
     }
 
@@ -55,7 +58,8 @@ impl RecordedBus {
 
     pub fn look(&mut self) {
         let motors: Vec<_> = self.bus.motors(self.now).collect();
-        let status = self.bus.line_status(self.now);
+        let mut status = self.bus.line_status(self.now);
+        status.late_hz = self.late_hz.unwrap_or(status.late_hz);
         self.record.look(Some(Line {
             now: self.now,
             status: &status,
