@@ -46,10 +46,16 @@ const LOST: &str = "(() => {
         if (!is_shown(control) || control.disabled && control.tagName === 'OPTION') continue;
         const target = control.matches('.edit-name') ? control : control.closest('label, .language, .motor-chip') ?? control;
         target.scrollIntoView({ block: 'center', inline: 'center' });
+        // The rows of the log do not move when it scrolls, which scrollIntoView expects: so the page scrolls to them once more.
+        const log = control.closest('.packet-scroller');
+        if (log) {
+            const { top, bottom } = target.getBoundingClientRect();
+            scrollBy(0, (top + bottom - innerHeight) / 2);
+        }
         const { left, top, right, bottom } = target.getBoundingClientRect();
         const [x, y] = [(left + right) / 2, (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2];
-        // The rows of the log stay in view while it scrolls, and are drawn again with the next frame: the last one is cut.
-        const rows = control.closest('.packet-scroller')?.getBoundingClientRect();
+        // They are drawn again with the next frame: the last one is cut.
+        const rows = log?.getBoundingClientRect();
         if (rows && (y < rows.top || y > rows.bottom)) continue;
         const over = document.elementFromPoint(x, y);
         if (left < -0.5 || right > innerWidth + 0.5) lost.push(`beside the window: ${name(control)}`);
