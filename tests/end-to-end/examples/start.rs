@@ -40,7 +40,7 @@ fn visits(slow_4g: bool, network: &str, usable_ms_max: f64) -> Result<()> {
     let mut whole = Vec::new();
     for _ in 0..VISITS {
         // A new browser, so that nothing is cached from the previous visit.
-        let bench = Bench::start()?;
+        let bench = Bench::start_compressed()?;
         let (page, first) = FirstPress::on(&bench, slowness, "Virtual motor")?;
         page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
         usable.push(first.usable_ms);

@@ -9,6 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use motorlink_web_server::Delivery;
 use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
 use tempfile::TempDir;
 
@@ -44,6 +45,17 @@ impl Bench {
         Self::serving(&artefacts::dist()?)
     }
 
+    /// The same, and the page is sent compressed, as a host does: for what depends on the time of a download.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Bench::start`].
+    pub fn start_compressed() -> Result<Self> {
+        let pages = artefacts::dist()?;
+        let equipment = Equipment::start(&pages, Delivery::AsAHost, keeps_files())?;
+        Self::with(Arc::new(equipment), false)
+    }
+
     /// A bench for the built page, whose browser an earlier test may have used: its tabs are closed, and what it had
     /// stored is deleted.
     ///
@@ -52,7 +64,10 @@ impl Bench {
     /// As for [`Bench::start`].
     pub fn reuse() -> Result<Self> {
         let used = equipment::idle().pop();
-        let new = || Equipment::start(&artefacts::dist()?, keeps_files()).map(Arc::new);
+        let new = || {
+            let pages = artefacts::dist()?;
+            Equipment::start(&pages, Delivery::Uncached, keeps_files()).map(Arc::new)
+        };
         Self::with(used.map_or_else(new, Ok)?, !keeps_files())
     }
 
@@ -77,7 +92,7 @@ impl Bench {
     ///
     /// As for [`Bench::start`].
     pub fn serving(pages: &Path) -> Result<Self> {
-        let equipment = Equipment::start(pages, keeps_files())?;
+        let equipment = Equipment::start(pages, Delivery::Uncached, keeps_files())?;
         Self::with(Arc::new(equipment), false)
     }
 

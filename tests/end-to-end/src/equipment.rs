@@ -31,10 +31,10 @@ pub struct Equipment {
 
 impl Equipment {
     /// Starts a browser with a new profile, for the page in `pages`.
-    pub fn start(pages: &Path, keeps_files: bool) -> Result<Self> {
+    pub fn start(pages: &Path, delivery: Delivery, keeps_files: bool) -> Result<Self> {
         let mut dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
         dir.disable_cleanup(keeps_files);
-        let server = serve(pages)?;
+        let server = serve(pages, delivery)?;
         let origin = server.origin();
         fs::create_dir(udev_dir(dir.path()))?;
         fs::create_dir(downloads_dir(dir.path()))?;
@@ -117,11 +117,11 @@ fn start_browser(dir: &Path, origin: &str) -> Result<Chromium> {
 }
 
 /// Serves the page on a free port of this machine.
-fn serve(pages: &Path) -> Result<Server> {
+fn serve(pages: &Path, delivery: Delivery) -> Result<Server> {
     fs::metadata(pages.join("index.html"))
         .with_context(|| format!("no index.html to serve in {}", pages.display()))?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("no port to serve on")?;
-    Ok(Server::start(listener, files(pages, Delivery::Uncached)?)?)
+    Ok(Server::start(listener, files(pages, delivery)?)?)
 }
 
 fn udev_dir(dir: &Path) -> PathBuf {
