@@ -162,8 +162,8 @@ impl Record {
         &self.verdict
     }
 
-    /// Whether a motor lost 5 % or more in the last ten seconds. The verdict does not say so where the computer is late,
-    /// and so may be the cause.
+    /// Whether a motor lost 5 % or more of its requests in the last ten seconds, and at least five. The verdict names no
+    /// cause for that where the computer is late, or where fewer than 50 were asked.
     #[must_use]
     pub fn loses_much(&self) -> bool {
         let findings = self.findings(&self.seen, RoundTripStatus::default());

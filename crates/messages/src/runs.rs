@@ -1,7 +1,7 @@
 //! The messages between the page and the run of an experiment.
 //!
-//! The port worker loads the program of the runs when the first run is armed. The port worker passes
-//! these messages on as bytes, so that neither it nor the first program of the page contains them.
+//! The port worker loads the program of the runs when the first run is armed. It passes these messages on as bytes, so
+//! that neither it nor the first program of the page contains them.
 
 use std::time::Duration;
 

@@ -54,7 +54,7 @@ const LOST: &str = "(() => {
         }
         const { left, top, right, bottom } = target.getBoundingClientRect();
         const [x, y] = [(left + right) / 2, (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2];
-        // They are drawn again with the next frame: the last one is cut.
+        // The rows are drawn again with the next frame: the last one is cut.
         const rows = log?.getBoundingClientRect();
         if (rows && (y < rows.top || y > rows.bottom)) continue;
         const over = document.elementFromPoint(x, y);

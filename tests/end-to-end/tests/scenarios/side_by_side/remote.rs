@@ -88,7 +88,7 @@ fn a_watcher_sees_the_wheel_and_stops_it_and_control_is_handed_over_both_ways() 
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let remote = Remote::serve(&adapter)?;
     let first = remote.open(&bench)?;
-    // Loading a page can delay that of the operator beyond its lease.
+    // Both load before the wheel turns: loading a page can delay the operator's beyond its lease.
     let second = remote.open(&bench)?;
     first.show()?;
     operator(&first, "Nobody drives.")?;
@@ -146,7 +146,7 @@ fn an_operator_that_hangs_or_goes_has_the_wheel_stopped_and_a_watcher_that_goes_
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let remote = Remote::serve(&adapter)?;
     let page = remote.open(&bench)?;
-    // Before the wheel turns, as the second one below: see above.
+    // It loads before the wheel turns, like each watcher here: see above.
     let going = remote.open(&bench)?;
     page.show()?;
     page.click("button", "Take control")?;
