@@ -83,6 +83,9 @@ const ENDLESS_CODE: i32 = 3;
 /// the recorder take the longest, 14 s.
 const TIMEOUT_S: &str = "180";
 
+/// Bytes of address space for each program. The compiler had 0.8 GB.
+const ADDRESS_SPACE_MAX: u64 = 6_000_000_000;
+
 /// Tries every change of one set or of all, and fails where one survives without a reason, or has one
 /// without surviving.
 pub fn show(workspace: &Workspace, set: Option<Set>, jobs: u8) -> Result<()> {
@@ -108,7 +111,8 @@ fn run(workspace: &Workspace, set: Set, jobs: u8) -> Result<(String, Result<()>)
     let found = workspace.target().join("mutants").join(set.name());
     fs::create_dir_all(&found).with_context(|| format!("{}", found.display()))?;
 
-    let mut cargo = process::cargo();
+    // A change that fills a list for ever would take the memory of the whole machine.
+    let mut cargo = process::within_address_space(&process::cargo(), ADDRESS_SPACE_MAX);
     cargo.current_dir(root);
     cargo.env("PATH", tools::path_with_cargo_mutants()?);
     // Hundreds of links go faster without what nobody will read.

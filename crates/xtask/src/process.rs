@@ -41,6 +41,34 @@ pub fn without_our_package(mut command: Command) -> Command {
     command
 }
 
+/// The same command, it and each program that it starts with at most so many bytes of address space, where the system can
+/// limit it. Needs prlimit, of util-linux.
+pub fn within_address_space(command: &Command, bytes: u64) -> Command {
+    let mut limited = Command::new("prlimit");
+    if cfg!(target_os = "linux") {
+        limited.arg(format!("--as={bytes}"));
+        limited.arg(command.get_program());
+    } else {
+        limited = Command::new(command.get_program());
+    }
+    like(limited, command)
+}
+
+/// A command with the arguments, the variables and the folder of another one.
+pub fn like(mut command: Command, other: &Command) -> Command {
+    command.args(other.get_args());
+    for (name, value) in other.get_envs() {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    if let Some(dir) = other.get_current_dir() {
+        command.current_dir(dir);
+    }
+    command
+}
+
 /// Runs a program to its end and passes its output on.
 pub fn run(command: &mut Command) -> Result<()> {
     let status = command

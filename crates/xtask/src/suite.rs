@@ -220,7 +220,7 @@ pub fn idle(command: &Command) -> Command {
     } else {
         idle = Command::new(command.get_program());
     }
-    like(idle, command)
+    process::like(idle, command)
 }
 
 /// A program of this niceness: a higher one gets less processor time while others want it.
@@ -235,22 +235,7 @@ pub fn low_priority(program: impl AsRef<OsStr>, nice: u8) -> Command {
 
 /// The same command at the niceness of what computes beside motors.
 pub fn patient(command: &Command) -> Command {
-    like(low_priority(command.get_program(), 10), command)
-}
-
-/// A command with the arguments, the variables and the folder of another one.
-fn like(mut command: Command, other: &Command) -> Command {
-    command.args(other.get_args());
-    for (name, value) in other.get_envs() {
-        match value {
-            Some(value) => command.env(name, value),
-            None => command.env_remove(name),
-        };
-    }
-    if let Some(dir) = other.get_current_dir() {
-        command.current_dir(dir);
-    }
-    command
+    process::like(low_priority(command.get_program(), 10), command)
 }
 
 #[cfg(test)]
