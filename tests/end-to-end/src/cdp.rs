@@ -12,6 +12,7 @@ use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::document::Document;
 use crate::wait::{WAIT_MAX, wait_until};
 
 /// Gets method and parameters of each event of a session. It must not call the browser: the next message waits for it.
@@ -163,31 +164,6 @@ impl Pending {
     }
 }
 
-/// The document in a tab.
-#[derive(Default)]
-struct Document {
-    /// Its loader, which tells it from the document before it.
-    loader: String,
-    is_loaded: bool,
-}
-
-impl Document {
-    /// Records an event of the tab with this main frame.
-    fn record(&mut self, main_frame: &str, method: &str, event: &Value) {
-        let text = |pointer: &str| at(event, pointer).as_str().unwrap_or_default();
-        if method == "Page.frameNavigated" && text("/frame/id") == main_frame {
-            *self = Self {
-                loader: text("/frame/loaderId").to_owned(),
-                // Nothing more is said of a page that comes back whole.
-                is_loaded: text("/type") == "BackForwardCacheRestore",
-            };
-        }
-        if method == "Page.lifecycleEvent" && text("/loaderId") == self.loader {
-            self.is_loaded |= text("/name") == "load" && text("/frameId") == main_frame;
-        }
-    }
-}
-
 /// The session of one tab or worker.
 #[derive(Clone)]
 pub struct Session {
@@ -311,10 +287,19 @@ impl Session {
             .with_context(|| format!("in the page: {expression}"))
     }
 
-    /// The value of a JavaScript function called with the node as `this`.
-    pub fn call_on_node(&self, node: i64, function: &str, arguments: &[Value]) -> Result<Value> {
+    /// The document in the tab, as events have told so far.
+    pub fn document(&self) -> MutexGuard<'_, Document> {
+        lock(&self.document)
+    }
+
+    /// The JavaScript object of a node.
+    pub fn object_of(&self, node: i64) -> Result<String> {
         let resolved = self.call("DOM.resolveNode", json!({ "backendNodeId": node }))?;
-        let object = text_at(&resolved, "/object/objectId")?;
+        text_at(&resolved, "/object/objectId")
+    }
+
+    /// The value of a JavaScript function called with the object as `this`.
+    pub fn call_on(&self, object: &str, function: &str, arguments: &[Value]) -> Result<Value> {
         let arguments: Vec<Value> = arguments
             .iter()
             .map(|value| json!({ "value": value }))

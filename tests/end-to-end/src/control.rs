@@ -1,5 +1,7 @@
 //! One control or read-out of the page, as a screen reader sees it.
 
+use std::cell::OnceCell;
+
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
@@ -12,6 +14,8 @@ pub struct Control {
     pub(crate) session: Session,
     /// The node's id in the `DevTools` protocol.
     pub(crate) node: i64,
+    /// Its JavaScript object, set on first use.
+    object: OnceCell<String>,
     /// Its role, in the browser's terms.
     pub role: String,
     /// Its accessible name.
@@ -27,7 +31,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Parses a node of `Accessibility.queryAXTree`; `None` if it is ignored, for example hidden.
+    /// Parses a node of the accessibility tree; `None` if it is ignored, for example hidden.
     pub(crate) fn read(session: &Session, node: &Value) -> Option<Self> {
         if at(node, "/ignored").as_bool() != Some(false) {
             return None;
@@ -50,6 +54,7 @@ impl Control {
         Some(Self {
             session: session.clone(),
             node: at(node, "/backendDOMNodeId").as_i64()?,
+            object: OnceCell::new(),
             role: text("/role/value"),
             name: text("/name/value"),
             description: text("/description/value"),
@@ -178,9 +183,15 @@ impl Control {
     ///
     /// When it throws, or the element has left the page.
     pub fn ask(&self, function: &str, arguments: &[Value]) -> Result<Value> {
-        self.session
-            .call_on_node(self.node, function, arguments)
-            .with_context(|| format!("at {}", self.title()))
+        let answer = || {
+            let object = match self.object.get() {
+                Some(object) => object.clone(),
+                None => self.session.object_of(self.node)?,
+            };
+            let object = self.object.get_or_init(|| object);
+            self.session.call_on(object, function, arguments)
+        };
+        answer().with_context(|| format!("at {}", self.title()))
     }
 }
 

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde_json::{Value, json};
 
-use crate::cdp::{Session, at};
+use crate::cdp::Session;
 use crate::console::Console;
-use crate::control::{self, Control};
+use crate::control;
 use crate::keyboard::Key;
 use crate::stopwatch::{self, KeyPress};
 use crate::wait::{WAIT_MAX, wait_until};
@@ -134,37 +134,6 @@ impl Page {
         self.wait_until_whole()
     }
 
-    /// All controls of this role and name, in the page's order. Roles are as in HTML and ARIA;
-    /// `output` is a synonym of `status`, as it is to the browser.
-    ///
-    /// # Errors
-    ///
-    /// When Chromium does not answer.
-    pub fn find_all(&self, role: &str, name: &str) -> Result<Vec<Control>> {
-        let named = self.query("accessibleName", name)?;
-        let role = browser_role(role);
-        Ok(named
-            .into_iter()
-            .filter(|control| control.role == role)
-            .collect())
-    }
-
-    /// The control of this role and name, as soon as it exists.
-    ///
-    /// # Errors
-    ///
-    /// When there is none, or more than one: the error lists the present controls.
-    pub fn find(&self, role: &str, name: &str) -> Result<Control> {
-        wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
-            let mut found = self.find_all(role, name)?;
-            match found.pop() {
-                Some(control) if found.is_empty() => Ok(Ok(control)),
-                Some(_) => bail!("{} of {role} {name:?}, not one", found.len() + 1),
-                None => Ok(Err(self.controls_with_role(role)?)),
-            }
-        })
-    }
-
     /// Clicks the control with the mouse, as soon as it exists and is enabled.
     ///
     /// # Errors
@@ -256,50 +225,6 @@ impl Page {
         self.find(role, name)?.text()
     }
 
-    /// Waits until the text of a read-out fulfils a condition, and returns it.
-    ///
-    /// # Errors
-    ///
-    /// When it does not in [`WAIT_MAX`]: the error contains the last text.
-    pub fn wait_for_text(
-        &self,
-        role: &str,
-        name: &str,
-        wanted: impl Fn(&str) -> bool,
-    ) -> Result<String> {
-        self.wait_for_text_within(WAIT_MAX, role, name, wanted)
-    }
-
-    /// The same with another timeout.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Page::wait_for_text`].
-    pub fn wait_for_text_within(
-        &self,
-        wait_max: Duration,
-        role: &str,
-        name: &str,
-        wanted: impl Fn(&str) -> bool,
-    ) -> Result<String> {
-        wait_until(
-            &format!("{role} {name:?} to read as it should"),
-            wait_max,
-            || {
-                let Some(control) = self.find_all(role, name)?.pop() else {
-                    return Ok(Err(self.controls_with_role(role)?));
-                };
-                // The page may replace it between finding and reading it.
-                let text = control.text().unwrap_or_default();
-                Ok(if wanted(&text) {
-                    Ok(text)
-                } else {
-                    Err(format!("{text:?}"))
-                })
-            },
-        )
-    }
-
     /// Errors so far of the page and of its workers: console errors, uncaught exceptions, failed requests, and
     /// messages of the browser.
     #[must_use]
@@ -314,42 +239,5 @@ impl Page {
     /// When it throws, or its value cannot be JSON.
     pub fn evaluate(&self, expression: &str) -> Result<Value> {
         self.session.evaluate(expression)
-    }
-
-    pub(crate) fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
-        // Node IDs are valid for one document only, so the root is requested each time.
-        let document = self
-            .session
-            .call("DOM.getDocument", json!({ "depth": 0 }))?;
-        let root = at(&document, "/root/backendNodeId");
-        let wanted = json!({ "backendNodeId": root, field: wanted });
-        let found = self.session.call("Accessibility.queryAXTree", wanted)?;
-        let nodes = at(&found, "/nodes")
-            .as_array()
-            .map(Vec::as_slice)
-            .unwrap_or_default();
-        Ok(nodes
-            .iter()
-            .filter_map(|node| Control::read(&self.session, node))
-            .collect())
-    }
-
-    fn controls_with_role(&self, role: &str) -> Result<String> {
-        let alike = self.query("role", browser_role(role))?;
-        let titles: Vec<String> = alike.iter().map(Control::title).collect();
-        Ok(if titles.is_empty() {
-            format!("no {role} at all")
-        } else {
-            titles.join(", ")
-        })
-    }
-}
-
-/// Chromium's name of a role.
-pub(crate) fn browser_role(role: &str) -> &str {
-    match role {
-        "output" => "status",
-        "img" => "image",
-        other => other,
     }
 }

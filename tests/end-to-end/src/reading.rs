@@ -3,7 +3,8 @@
 use anyhow::{Context, Result, bail};
 
 use crate::control::Control;
-use crate::page::{Page, browser_role};
+use crate::lookup::browser_role;
+use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
 impl Page {

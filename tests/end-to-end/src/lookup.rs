@@ -1,0 +1,174 @@
+//! Finds controls by role and name, and waits for what they read.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use serde_json::json;
+
+use crate::cdp::at;
+use crate::control::Control;
+use crate::document::Found;
+use crate::page::Page;
+use crate::wait::{WAIT_MAX, wait_until};
+
+/// For so long the browser is asked for the node that a query found, which takes it 2.5 ms; a query takes 25 ms. After
+/// that the next query tells whether there are others of the same name by then.
+const REMEMBERED_FOR: Duration = Duration::from_millis(300);
+
+impl Page {
+    /// All controls of this role and name, in the page's order. Roles are as in HTML and ARIA;
+    /// `output` is a synonym of `status`, as it is to the browser.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn find_all(&self, role: &str, name: &str) -> Result<Vec<Control>> {
+        let named = self.query("accessibleName", name)?;
+        let key = (browser_role(role).to_owned(), name.to_owned());
+        let found: Vec<Control> = named
+            .into_iter()
+            .filter(|control| control.role == key.0)
+            .collect();
+        let at = Instant::now();
+        let mut document = self.session.document();
+        match found[..] {
+            [Control { node, .. }] => document.controls.insert(key, Found { node, at }),
+            _ => document.controls.remove(&key),
+        };
+        Ok(found)
+    }
+
+    /// The control of this role and name, as soon as it exists.
+    ///
+    /// # Errors
+    ///
+    /// When there is none: the error lists those of this role. When there is more than one, which a query tells at most
+    /// 300 ms later.
+    pub fn find(&self, role: &str, name: &str) -> Result<Control> {
+        wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
+            if let Some(control) = self.find_again(role, name) {
+                return Ok(Ok(control));
+            }
+            let mut found = self.find_all(role, name)?;
+            match found.pop() {
+                Some(control) if found.is_empty() => Ok(Ok(control)),
+                Some(_) => bail!("{} of {role} {name:?}, not one", found.len() + 1),
+                None => Ok(Err(self.controls_with_role(role)?)),
+            }
+        })
+    }
+
+    /// The control that a query has just found, if it still has this role and name.
+    fn find_again(&self, role: &str, name: &str) -> Option<Control> {
+        let role = browser_role(role);
+        let key = (role.to_owned(), name.to_owned());
+        let found = self.session.document().controls.get(&key).copied()?;
+        if found.at.elapsed() > REMEMBERED_FOR {
+            return None;
+        }
+        let alone = json!({ "backendNodeId": found.node, "fetchRelatives": false });
+        let node = self.session.call("Accessibility.getPartialAXTree", alone);
+        Control::read(&self.session, at(&node.ok()?, "/nodes/0"))
+            .filter(|control| control.role == role && control.name == name)
+    }
+
+    /// Waits until the text of a read-out fulfils a condition, and returns it.
+    ///
+    /// # Errors
+    ///
+    /// When it does not in [`WAIT_MAX`]: the error contains the last text.
+    pub fn wait_for_text(
+        &self,
+        role: &str,
+        name: &str,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<String> {
+        self.wait_for_text_within(WAIT_MAX, role, name, wanted)
+    }
+
+    /// The same with another timeout.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Page::wait_for_text`].
+    pub fn wait_for_text_within(
+        &self,
+        wait_max: Duration,
+        role: &str,
+        name: &str,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<String> {
+        let what = format!("{role} {name:?} to read as it should");
+        wait_until(&what, wait_max, || {
+            let control = match self.find_again(role, name) {
+                Some(control) => Some(control),
+                None => self.find_all(role, name)?.pop(),
+            };
+            let Some(control) = control else {
+                return Ok(Err(self.controls_with_role(role)?));
+            };
+            Ok(match control.text() {
+                Ok(text) if wanted(&text) => Ok(text),
+                Ok(text) => Err(format!("{text:?}")),
+                // The page may replace it between finding and reading it.
+                Err(error) => Err(format!("{error:#}")),
+            })
+        })
+    }
+
+    pub(crate) fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
+        loop {
+            let loader = self.session.document().loader.clone();
+            let query = json!({ "backendNodeId": self.root()?, field: wanted });
+            let found = self.session.call("Accessibility.queryAXTree", query);
+            if self.session.document().loader != loader {
+                // Another document has come meanwhile.
+                continue;
+            }
+            let found = found?;
+            let nodes = at(&found, "/nodes").as_array().into_iter().flatten();
+            return Ok(nodes
+                .filter_map(|node| Control::read(&self.session, node))
+                .collect());
+        }
+    }
+
+    /// The node of the document itself.
+    fn root(&self) -> Result<i64> {
+        let (loader, known) = {
+            let document = self.session.document();
+            (document.loader.clone(), document.root)
+        };
+        if let Some(root) = known {
+            return Ok(root);
+        }
+        let reply = self
+            .session
+            .call("DOM.getDocument", json!({ "depth": 0 }))?;
+        let root = at(&reply, "/root/backendNodeId").as_i64();
+        let mut document = self.session.document();
+        if document.loader == loader {
+            document.root = root;
+        }
+        root.context("a document without a root")
+    }
+
+    fn controls_with_role(&self, role: &str) -> Result<String> {
+        let alike = self.query("role", browser_role(role))?;
+        let titles: Vec<String> = alike.iter().map(Control::title).collect();
+        Ok(if titles.is_empty() {
+            format!("no {role} at all")
+        } else {
+            titles.join(", ")
+        })
+    }
+}
+
+/// Chromium's name of a role.
+pub(crate) fn browser_role(role: &str) -> &str {
+    match role {
+        "output" => "status",
+        "img" => "image",
+        other => other,
+    }
+}
