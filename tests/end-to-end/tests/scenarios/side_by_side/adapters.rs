@@ -1,40 +1,16 @@
-//! Adapters: plugged, pulled, alike, echoing, silent.
+//! Adapters: plugged in late, alike, silent, not to be opened.
 
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_quiet_console, number,
-    rules::{nothing_but_stops_and_questions, the_page_says, the_page_says_one_of},
+    assert_quiet_console,
+    rules::{the_page_says, the_page_says_one_of},
     wait_for_speed,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us, retry};
 
 const CONNECTS_MAX: u32 = 3;
-
-#[test]
-fn an_adapter_pulled_out_while_driving_comes_back_and_drives_nothing() -> Result<()> {
-    let mut scenario = Scenario::spinning()?;
-    scenario.adapter.unplug()?;
-    scenario
-        .page
-        .wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
-    let back = now_us();
-    scenario.adapter.plug()?;
-    scenario
-        .page
-        .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    scenario
-        .page
-        .wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    thread::sleep(Duration::from_secs(1));
-    nothing_but_stops_and_questions(&scenario.since(back)?)?;
-    // A person starts it again.
-    scenario.page.click("button", "+50")?;
-    wait_for_speed(&scenario.page, 47..=53)?;
-    assert_quiet_console(&scenario.page);
-    Ok(())
-}
 
 #[test]
 fn an_adapter_plugged_in_later_is_connected_to() -> Result<()> {

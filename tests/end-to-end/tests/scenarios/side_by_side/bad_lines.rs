@@ -127,12 +127,10 @@ fn a_line_that_loses_and_spoils_both_ways_shows_nothing_untrue() -> Result<()> {
 
 #[test]
 fn an_adapter_that_echoes_and_splits_every_read_drives_and_stops() -> Result<()> {
-    for echo in ["whole", "cut:3"] {
-        let faults = ["--echo", echo, "--split", "--latency-ms", "2"];
-        let scenario = Scenario::connected(Line::default().with(&faults))?;
-        drives_and_stops_truly(&scenario, 0)?;
-        assert_quiet_console(&scenario.page);
-    }
+    let faults = ["--echo", "whole", "--split", "--latency-ms", "2"];
+    let scenario = Scenario::connected(Line::default().with(&faults))?;
+    drives_and_stops_truly(&scenario, 0)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 

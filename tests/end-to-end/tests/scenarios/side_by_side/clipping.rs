@@ -22,6 +22,16 @@ const WINDOWS: [(u32, u32); 11] = [
     (2560, 1440),
 ];
 
+/// One of each layout.
+const SOME_WINDOWS: [(u32, u32); 6] = [
+    (320, 256),
+    (390, 844),
+    (844, 390),
+    (1024, 768),
+    (1366, 657),
+    (1920, 1080),
+];
+
 /// Fields and buttons whose text is wider than they are, or that end beyond their row, and a title of the graph without
 /// its motor.
 const CUT: &str = "(() => {
@@ -129,8 +139,8 @@ fn what_nobody_can_read_is_found() -> Result<()> {
     Ok(())
 }
 
-/// Four motors of a rover, in the five places, in each window and language. 720 x 450 and 320 x 256 are windows at 200 and
-/// 400 %.
+/// Four motors of a rover, in the five places: in German, which has the longest words, in every window, in the other
+/// languages in some. 720 x 450 and 320 x 256 are windows at 200 and 400 %.
 #[test]
 fn no_text_is_cut_or_over_another() -> Result<()> {
     let mut found = Vec::new();
@@ -141,7 +151,12 @@ fn no_text_is_cut_or_over_another() -> Result<()> {
         let page = bench.open(&format!("/?lang={key}"))?;
         page.find("button", translated("Rover"))?;
         let mut check = |page: &Page, what: &str| -> Result<()> {
-            for (width, height) in WINDOWS {
+            let windows = if language == Language::German {
+                &WINDOWS[..]
+            } else {
+                &SOME_WINDOWS
+            };
+            for &(width, height) in windows {
                 look(page, View::window(width, height))?;
                 let texts = page.unreadable()?;
                 found.extend(

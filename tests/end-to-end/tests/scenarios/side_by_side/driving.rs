@@ -1,4 +1,4 @@
-//! A person drives a motor: over real Web Serial, in every loop, and without hardware.
+//! A person drives a motor over real Web Serial, in every loop.
 
 use std::{thread, time::Duration};
 
@@ -214,21 +214,8 @@ fn letters_drive_and_stop() -> Result<()> {
 }
 
 #[test]
-fn the_virtual_motor_needs_no_hardware() -> Result<()> {
-    let bench = Bench::start()?;
-    let page = bench.open("/?port=virtual")?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    spin(&page, "+100", 97..=103)?;
-    page.press("Escape")?;
-    wait_for_speed(&page, 0..=0)?;
-    assert_quiet_console(&page);
-    Ok(())
-}
-
-#[test]
 fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
-    let bench = Bench::start()?;
+    let bench = Bench::reuse()?;
     let adapter = bench.plug(Line::with_motors(&[7]), Usb::default())?;
     let page = bench.open("/")?;
     crate::fixture::connect(&page)?;

@@ -4,7 +4,10 @@ use std::{thread, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_quiet_console, connect,
-    rules::{it_drives_again_when_asked, nothing_moves_until_asked, the_page_says},
+    rules::{
+        it_drives_again_when_asked, nothing_but_stops_and_questions, nothing_moves_until_asked,
+        the_page_says,
+    },
     spin,
 };
 use anyhow::{Context, Result, ensure};
@@ -98,6 +101,8 @@ fn an_adapter_pulled_out_at_100_rpm_comes_back_and_the_wheel_is_stopped_first() 
     scenario
         .page
         .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    thread::sleep(Duration::from_secs(1));
+    nothing_but_stops_and_questions(&scenario.since(back_us)?)?;
     it_drives_again_when_asked(&scenario.page)?;
     assert_quiet_console(&scenario.page);
     Ok(())

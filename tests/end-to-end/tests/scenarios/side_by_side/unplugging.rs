@@ -71,20 +71,6 @@ fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> 
     goes_on(&scenario)
 }
 
-#[test]
-fn an_adapter_pulled_out_of_the_position_loop_comes_back_and_drives_nothing() -> Result<()> {
-    let mut scenario = Scenario::connected(Line::default())?;
-    let page = &scenario.page;
-    page.click("tab", "Position")?;
-    let pressed = now_us();
-    page.click("button", "180°")?;
-    wait_for_wire(&scenario, pressed, "the wheel to be on its way", |wire| {
-        wire.drives().len() > 5
-    })?;
-    survives_a_pull(&mut scenario)?;
-    goes_on(&scenario)
-}
-
 /// What was being stopped stays stopped: until a person releases it nothing drives.
 #[test]
 fn an_adapter_pulled_out_during_a_stop_comes_back_stopped() -> Result<()> {
