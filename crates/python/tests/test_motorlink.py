@@ -552,4 +552,7 @@ class TheCommand(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # A shell ignores them in what it starts in the background, and so would the programs that the tests start.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
     unittest.main(verbosity=2)
