@@ -1,8 +1,9 @@
 //! The run of an experiment beside the bus.
 //!
-//! A run has two sides in one thread. The [`Program`] decides: it has the sequence, the plan and the record. In
-//! the browser it has a memory of its own, and is loaded when the first run is armed. The [`Host`] belongs to the owner of the port. It is
-//! small, applies what the program returns to the bus, and stops the motors of the run without asking the program.
+//! A run has two sides in one thread. The [`Program`] decides: it has the sequence, the plan and the record. In the
+//! browser it has a memory of its own, and is loaded when the first run is armed. The [`Host`] belongs to the owner of
+//! the port. It is small, applies what the program returns to the bus, and stops the motors of the run without asking
+//! the program.
 //! Only [`Input`] and [`Output`] cross.
 //!
 //! | file | what it is |

@@ -11,8 +11,8 @@ use crate::document::Found;
 use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// For so long the browser is asked for the node that a query found, which takes it 2.5 ms; a query takes 25 ms. After
-/// that the next query tells whether there are others of the same name by then.
+/// For this long a control that a query found is read again by its node: 2.5 ms of the browser's time, where a query takes
+/// 25 ms. Only a query notices another control of the same name.
 const REMEMBERED_FOR: Duration = Duration::from_millis(300);
 
 impl Page {
@@ -42,8 +42,8 @@ impl Page {
     ///
     /// # Errors
     ///
-    /// When there is none: the error lists those of this role. When there is more than one, which a query tells at most
-    /// 300 ms later.
+    /// When there is none: the error lists those of this role. When there is more than one: a second one is
+    /// noticed within 300 ms.
     pub fn find(&self, role: &str, name: &str) -> Result<Control> {
         wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
             if let Some(control) = self.find_again(role, name) {
