@@ -103,3 +103,59 @@ fn placed(batch: Batch<'_>, timeline: &mut Timeline) -> impl Iterator<Item = Lin
         ..traffic
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use motorlink_bus::LineEventKind;
+    use motorlink_messages::recorder::push_traffic;
+    use motorlink_protocol::{Instant, MotorId};
+
+    use super::super::content::{push_batch, push_note, push_state};
+    use super::*;
+
+    const AT: Instant = Instant::from_micros(1);
+
+    fn written(push: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+        let mut block = Vec::new();
+        push(&mut block);
+        block
+    }
+
+    fn silences(count: u32) -> Vec<u8> {
+        let kind = LineEventKind::Silence {
+            id: MotorId::FIRST,
+            waited_us: 1000,
+        };
+        let batch = written(|batch| {
+            for _ in 0..count {
+                push_traffic(batch, &LineEvent { at: AT, kind });
+            }
+        });
+        written(|file| push_batch(file, count, AT, &batch))
+    }
+
+    /// How many slices of one entry there are in a file.
+    fn slices(stream: Stream, file: Vec<u8>) -> Option<usize> {
+        let (log, recording) = (Log::with_capacity(10), Recording::with_capacity(10));
+        let mut rebuild = Rebuild::new(log, recording, 0);
+        rebuild.take(stream, file);
+        (0..10).find(|_| rebuild.advance(1))
+    }
+
+    #[test]
+    fn each_kind_of_entry_counts_and_a_block_is_read_to_its_end() {
+        let note = written(|file| push_note(file, &Note::Exported));
+        let state = written(|file| push_state(file, AT, &[]));
+        for (stream, entry) in [
+            (Stream::Packets, silences(1)),
+            (Stream::Packets, silences(2)),
+            (Stream::Recorded, silences(1)),
+            (Stream::Packets, note),
+            (Stream::Packets, state),
+        ] {
+            for entries in 0..3 {
+                assert_eq!(slices(stream, entry.repeat(entries)), Some(entries));
+            }
+        }
+    }
+}
