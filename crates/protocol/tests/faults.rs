@@ -50,6 +50,14 @@ fn a_fault_is_added_once_and_removed_alone() {
 }
 
 #[test]
+fn faults_are_joined_by_the_names_of_the_other_set() {
+    let mine = Faults::from_byte(0b0101_0011);
+    let other = Faults::of(Model::Ddsm210, 0b0011_0110);
+    let joined = mine.joined(other);
+    assert_eq!(joined, Faults::of(Model::Ddsm210, 0b0111_0111));
+}
+
+#[test]
 fn faults_are_named_in_the_order_of_their_bits() {
     let written = |byte| Faults::from_byte(byte).to_string();
     assert_eq!(written(0), "OK");

@@ -213,6 +213,22 @@ fn an_acceleration_is_explained_where_it_has_an_effect() {
     assert_eq!(explained(Some(Mode::Position)), "drive to 1.10°");
 }
 
+/// The maker's samples end it with 00, the article's table with the CRC; another program may end it with DE, the last
+/// byte of the ID query.
+#[test]
+fn a_new_id_is_explained_with_each_ending_that_is_in_use() {
+    let explained = |ending: u8| {
+        let text = format!("AA 55 53 07 00 00 00 00 00 {ending:02X}");
+        explain_sent(&frame(&text), None).to_string()
+    };
+    let crc = frame("AA 55 53 07 00 00 00 00 00 00").crc_expected();
+    for ending in [0, crc, 0xde] {
+        assert_eq!(explained(ending), "set ID 0x07 on all motors");
+    }
+    let wrong = explained(crc + 1);
+    assert!(wrong.starts_with("CRC "), "{wrong}");
+}
+
 #[test]
 fn a_reply_is_explained_with_its_loop_and_its_faults() {
     let reply = Reply {

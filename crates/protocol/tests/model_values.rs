@@ -61,6 +61,44 @@ fn models_have_the_published_line_frames_and_range() {
     }
 }
 
+/// The data sheets: speed and current without load, rated speed, the temperature that trips; and the time of a unit of
+/// acceleration.
+#[test]
+fn models_have_the_published_nominal_figures() {
+    for (model, figures, microseconds) in [
+        (Model::Ddsm115, (200, Some(250), Some(115), Some(80)), 3_600),
+        (Model::Ddsm315, (315, None, None, None), 3_600),
+        (Model::Ddsm210, (210, Some(150), Some(98), Some(80)), 1_000),
+        (Model::Ddsm400, (400, None, Some(100), None), 1_000),
+    ] {
+        let spec = model.spec();
+        let nominal = spec.nominal;
+        assert_eq!(
+            (
+                nominal.no_load_rpm,
+                nominal.no_load_ma,
+                nominal.rated_rpm,
+                nominal.trips_at_c
+            ),
+            figures,
+            "{model}"
+        );
+        assert_eq!(spec.acceleration_us_per_rpm, microseconds, "{model}");
+    }
+}
+
+/// A stop in the frames of one is a stop of the other too.
+#[test]
+fn only_models_with_the_same_frames_and_baud_are_alike() {
+    for model in Model::ALL {
+        for other in Model::ALL {
+            let pair = [Model::Ddsm115, Model::Ddsm315];
+            let alike = model == other || pair.contains(&model) && pair.contains(&other);
+            assert_eq!(model.is_like(other), alike, "{model} {other}");
+        }
+    }
+}
+
 /// A frame takes 868 us at 115200 baud and 2.6 ms at 38400.
 #[test]
 fn airtimes_are_those_of_the_baud() {
@@ -192,6 +230,7 @@ fn the_same_raw_speed_is_ten_times_slower_in_tenths() {
         [0, 1, 1]
     );
     assert_eq!(Speed::from_tenths(-5).to_string(), "−0.5 rpm");
+    assert_eq!(Speed::from_tenths(0).to_string(), "+0 rpm");
 }
 
 #[test]
@@ -219,11 +258,14 @@ fn a_refusal_says_what_to_do() {
 #[test]
 fn open_loop_targets_have_the_range_of_the_wire() {
     assert!(OpenLoopTarget::new(-32_768).is_err());
-    for (raw, text) in [(4_096, "+12.5 %"), (-32_767, "−100.0 %")] {
+    for (raw, text) in [(4_096, "+12.5 %"), (-32_767, "−100.0 %"), (17, "+0.1 %")] {
         assert_eq!(OpenLoopTarget::new(raw).unwrap().to_string(), text);
     }
     assert_eq!(OpenLoopTarget::new(5).unwrap().reversed().raw(), -5);
     assert_eq!(OpenLoopTarget::ZERO.raw(), 0);
+    for (wire, raw) in [(-32_768, -32_767), (-32_767, -32_767), (5, 5)] {
+        assert_eq!(OpenLoopTarget::nearest(wire).raw(), raw);
+    }
 }
 
 #[test]
@@ -245,7 +287,10 @@ fn currents_are_in_the_scale_of_the_model_and_a_disputed_one_stays_raw() {
     assert_eq!(Model::Ddsm210.current_of_raw(-3).to_string(), "raw −3");
     let ampere = Model::Ddsm400.current_of_amps(1.0);
     assert_eq!((ampere.raw(), ampere.scaled().whole), (8_192, 1));
-    assert!((ampere.amps() - 1.0).abs() < 0.000_1);
+    for amps in [1.0, -2.5] {
+        let current = Model::Ddsm400.current_of_amps(amps);
+        assert!((current.amps() - amps).abs() < 0.000_1);
+    }
     assert_eq!(Model::Ddsm400.current_of_amps(-9.0).raw(), i16::MIN);
     assert_eq!(Model::Ddsm400.current_of_amps(f32::NAN).raw(), 0);
 }

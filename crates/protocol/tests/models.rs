@@ -233,10 +233,10 @@ fn mode_replies_tell_the_loop_and_whether_they_answer_a_switch() {
         let decoded = Reading::decode(model, &heard, None);
         assert_eq!(decoded, Ok(Reading::Mode(reading)));
         assert_eq!(Reading::Mode(reading).frame(model), heard);
-        assert_eq!(
-            reading.mode(model).map(Mode::byte),
-            (byte < 4).then_some(byte)
-        );
+        let named = (byte < 4).then_some(byte);
+        assert_eq!(reading.mode(model).map(Mode::byte), named);
+        let names_loop = Reading::Mode(reading).names_loop(model);
+        assert_eq!(names_loop.map(Mode::byte), named);
     }
 }
 

@@ -1,8 +1,9 @@
 //! Addresses, targets and reported values: their ranges, their conversions and their texts.
 
 use motorlink_protocol::{
-    Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, MotorId,
-    MotorIdError, Position, PositionTarget, Rpm, Setpoint, SpeedTarget,
+    Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, Detail, Drive,
+    Mode, MotorId, MotorIdError, Position, PositionTarget, Rpm, Setpoint, SpeedTarget,
+    family::OpenLoopTarget,
 };
 
 #[test]
@@ -30,6 +31,58 @@ fn a_refused_address_says_which_ones_are_valid() {
         reserved.unwrap_err().to_string(),
         "200 (0xC8) is reserved for the ID query: use another ID"
     );
+}
+
+/// A drive reply tells the angle finely, a query reply coarsely.
+#[test]
+fn an_angle_is_as_fine_as_its_reply() {
+    let position = Position::from_raw(8_192);
+    let drive = Detail::Drive { position };
+    assert_eq!(drive.fine(), Some(position));
+    let query = Detail::Query {
+        temperature: Celsius::new(20),
+        position: CoarsePosition::from_raw(64),
+    };
+    assert_eq!(query.fine(), None);
+    let degrees = |detail: Detail| detail.angle().unwrap().degrees();
+    assert!((degrees(drive) - 90.0).abs() < 0.01);
+    assert!((degrees(query) - 90.35).abs() < 0.01);
+}
+
+/// It turns the other way at the same setpoint; its angle and its brake are as before.
+#[test]
+fn the_setpoint_of_a_mirrored_motor_has_the_opposite_sign() {
+    let speed = |rpm| Setpoint::Velocity {
+        speed: SpeedTarget::clamped(rpm),
+        acceleration: Acceleration::new(5),
+    };
+    let current = |raw| Setpoint::Current(CurrentTarget::new(raw).unwrap());
+    let open = |raw| Setpoint::OpenLoop(OpenLoopTarget::new(raw).unwrap());
+    let position = Setpoint::Position(PositionTarget::new(100).unwrap());
+    assert_eq!(speed(100).reversed(), speed(-100));
+    assert_eq!(current(-7).reversed(), current(7));
+    assert_eq!(open(7).reversed(), open(-7));
+    for same in [position, Setpoint::Brake] {
+        assert_eq!(same.reversed(), same);
+    }
+}
+
+#[test]
+fn the_brake_byte_brakes_in_the_velocity_loop_at_speed_zero_only() {
+    let read = |rpm: i16, brake, mode| {
+        let drive = Drive {
+            value: rpm.to_be_bytes(),
+            acceleration: Acceleration::DEFAULT,
+            brake,
+        };
+        drive.setpoint(mode)
+    };
+    let speed = |rpm| Setpoint::velocity(SpeedTarget::clamped(rpm));
+    assert_eq!(read(0, Drive::BRAKE, Mode::Velocity), Setpoint::Brake);
+    assert_eq!(read(0, 0, Mode::Velocity), speed(0));
+    assert_eq!(read(7, Drive::BRAKE, Mode::Velocity), speed(7));
+    let current = Setpoint::Current(CurrentTarget::ZERO);
+    assert_eq!(read(0, Drive::BRAKE, Mode::Current), current);
 }
 
 /// Full scale is 8 A, so 0.25 A is 1023.97.
