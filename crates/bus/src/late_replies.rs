@@ -294,6 +294,31 @@ mod tests {
     }
 
     #[test]
+    fn replies_in_one_layout_are_outstanding_without_any_in_the_other() {
+        for layout in [Layout::Drive, Layout::Query] {
+            let mut late = LateReplies::default();
+            late.unanswered(layout, at(9), 1);
+            late.replied();
+            assert_eq!(late.outstanding(at(99)), 1, "{layout:?}");
+            assert_eq!(late.oldest(at(508)), Some(at(9)));
+            assert_eq!(late.oldest(at(509)), None);
+        }
+    }
+
+    /// At most four replies to drive frames come before those to the queries.
+    #[test]
+    fn the_fifth_reply_to_queries_in_a_row_answers_a_query() {
+        let mut late = LateReplies::default();
+        late.asked_otherwise(at(0));
+        late.unanswered(Layout::Drive, at(0), 1);
+        for ms in 1..=4 {
+            assert_eq!(late.layout_of_reply(at(ms), Layout::Query), None, "{ms}");
+        }
+        let query = Some(Layout::Query);
+        assert_eq!(late.layout_of_reply(at(5), Layout::Query), query);
+    }
+
+    #[test]
     fn one_that_was_long_away_is_soon_believed() {
         let mut late = LateReplies::default();
         late.unanswered(Layout::Drive, at(0), 900);

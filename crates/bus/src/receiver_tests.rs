@@ -305,3 +305,70 @@ fn a_stray_byte_that_makes_a_reply_with_a_known_fault_makes_the_reply_unclear() 
         Found::Nothing
     );
 }
+
+#[test]
+fn a_block_is_remembered_until_the_end_of_the_exchange() {
+    let query = frame(QUERY);
+    let mut receiver = after(&[0; BLOCK - FRAME_LEN]);
+    receiver.push(frame(REPLY).bytes());
+    assert!(!receiver.clear(&query).is_block);
+    receiver.push(&[0; BLOCK]);
+    receiver.push(frame(REPLY).bytes());
+    let (_, before) = receiver.take(BLOCK, &query).unwrap();
+    assert!(before.is_block);
+    assert!(receiver.clear(&query).is_block);
+    assert!(!receiver.clear(&query).is_block);
+}
+
+/// The id and the loop of the motor in bytes 6 and 7 of its reply: another reply may begin there.
+#[test]
+fn a_reply_in_which_another_may_begin_is_found_once_the_other_could_be_complete() {
+    let query = frame(QUERY);
+    let reply = Frame::with_crc([1, 2, 0, 10, 0, 0, 1, 2, 0]);
+    let mut receiver = after(reply.bytes());
+    receiver.push(&[0; 5]);
+    let found = |receiver: &Receiver, settled| receiver.find(ID, Layout::Query, &query, settled);
+    assert_eq!(found(&receiver, false), Found::Ambiguous);
+    assert_eq!(found(&receiver, true), Found::At(0));
+    receiver.push(&[0]);
+    assert_eq!(found(&receiver, false), Found::At(0));
+}
+
+/// Bytes before a reply tell nothing of the echo where they may be older than its request: in a block, and while a reply
+/// is owed.
+#[test]
+fn old_bytes_rule_out_no_echo() {
+    let query = frame(QUERY);
+    let rules_out = |is_owed: bool, before: usize| {
+        let mut receiver = after(&[]);
+        for _ in 0..12 {
+            if is_owed {
+                receiver.window_ended(&query);
+            }
+            let bytes = [&vec![0; before], &frame(REPLY).bytes()[..]].concat();
+            receiver.push(&bytes);
+            receiver.take(before, &query).unwrap();
+            receiver.clear(&query);
+        }
+        receiver.echo.is_ruled_out()
+    };
+    assert!(rules_out(false, 0) && rules_out(false, 1));
+    assert!(rules_out(true, 0) && !rules_out(true, 1));
+    assert!(!rules_out(false, BLOCK - FRAME_LEN));
+}
+
+/// The reply of a DDSM210 may be a copy of its request, as an echo is.
+#[test]
+fn a_copy_of_the_request_rules_out_no_echo() {
+    let sent = Frame::with_crc([1, 0x64, 0, 0, 0, 0, 0, 0, 0]);
+    let other = Frame::with_crc([1, 0x64, 0, 0, 0, 0, 0, 30, 0]);
+    let ruled_out_by = |reply: Frame| {
+        let mut receiver = Receiver::new(Model::Ddsm210);
+        for _ in 0..12 {
+            receiver.push(reply.bytes());
+            receiver.take(0, &sent).unwrap();
+        }
+        receiver.echo.is_ruled_out()
+    };
+    assert!(ruled_out_by(other) && !ruled_out_by(sent));
+}
