@@ -1,19 +1,18 @@
 //! `cargo xtask check`: the checks that do not run the product, the quick ones first.
 
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use anyhow::Result;
 
 use crate::cargo;
 use crate::claims;
+use crate::dependencies;
 use crate::invariants;
 use crate::layers;
 use crate::process;
 use crate::ros;
 use crate::suite::{Step, Suite};
-use crate::tools;
 use crate::translations;
-use crate::workspace::Workspace;
 
 /// After `--`, for lints only: in RUSTFLAGS it would rebuild every dependency.
 const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
@@ -89,7 +88,16 @@ pub static SUITE: Suite = Suite {
             beside: None,
             nice: 0,
             on_request: false,
-            run: dependencies,
+            run: dependencies::check,
+        },
+        Step {
+            name: "advisories",
+            about: "no dependency has a known vulnerability; fetches the list of them",
+            needs: &[],
+            beside: None,
+            nice: 0,
+            on_request: true,
+            run: dependencies::check_advisories,
         },
         Step {
             name: "clippy",
@@ -134,41 +142,4 @@ pub static SUITE: Suite = Suite {
 
 fn strict_doc(mut command: Command) -> Result<()> {
     process::run(command.env("RUSTDOCFLAGS", "-D warnings"))
-}
-
-/// Advisories need a database outside the registries: where it cannot be fetched, the step says so.
-fn dependencies(workspace: &Workspace) -> Result<()> {
-    let mut locked = cargo::command(
-        workspace,
-        &["metadata", "--locked", "--format-version", "1"],
-    );
-    process::run(locked.stdout(Stdio::null()))?;
-    let deny = tools::ensure_cargo_deny()?;
-    let check = |of: &[&str], what: &[&str]| {
-        let mut command = Command::new(&deny);
-        command
-            .current_dir(workspace.root())
-            .arg("--all-features")
-            .args(of)
-            .args(["check", "--hide-inclusion-graph", "--deny", "warnings"])
-            .args(what);
-        process::run(&mut command)
-    };
-    let all = ["--workspace"];
-    check(&all, &["licenses", "sources"])?;
-    // First of the page, then of its workers.
-    check(&[], &["bans"])?;
-    // The worker has fewer duplicates than are excepted for the page.
-    let skips = ["--allow", "unmatched-skip", "--allow", "unnecessary-skip"];
-    check(
-        &["--manifest-path", "crates/worker/Cargo.toml"],
-        &[&skips[..], &["bans"]].concat(),
-    )?;
-    let mut fetch = Command::new(&deny);
-    fetch.current_dir(workspace.root()).args(["fetch", "db"]);
-    if process::run(&mut fetch).is_err() {
-        println!("the advisories were not checked: their database cannot be fetched from here");
-        return Ok(());
-    }
-    check(&all, &["advisories"])
 }

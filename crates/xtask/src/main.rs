@@ -11,6 +11,7 @@ mod check;
 mod claims;
 mod command_line;
 mod content_hash;
+mod dependencies;
 mod experiments;
 mod failure;
 mod fleet;

@@ -82,13 +82,13 @@ const WASM_BINDGEN_WORKS: [&str; 7] = [
 ];
 
 /// A program for one command, built once into the cache: its package and the version.
-struct Pinned(&'static str, &'static str);
+pub struct Pinned(&'static str, pub &'static str);
 
 /// For fuzzing: see `reliability`.
 const CARGO_FUZZ: Pinned = Pinned("cargo-fuzz", "0.13.1");
 
 /// Checks licences, sources and duplicates of the dependencies.
-const CARGO_DENY: Pinned = Pinned("cargo-deny", "0.18.9");
+pub const CARGO_DENY: Pinned = Pinned("cargo-deny", "0.18.9");
 
 /// For mutation testing: see `mutants`.
 const CARGO_MUTANTS: Pinned = Pinned("cargo-mutants", "27.1.0");
