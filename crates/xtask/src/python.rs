@@ -19,29 +19,25 @@ struct Environment {
     packages: &'static [&'static str],
 }
 
-/// The reader of MCAP files with the decoder that ROS 2 users add, and a validator of JSON schemas.
-const SESSION_READERS: Environment = Environment {
-    name: "session-readers-1",
+/// What reads our files and checks our figures.
+const READERS: Environment = Environment {
+    name: "readers-1",
     packages: &[
+        // The reader of MCAP files with the decoder that ROS 2 users add, and a validator of JSON schemas.
         "mcap==1.6.0",
         "mcap-ros2-support==0.6.0",
         "jsonschema==4.26.0",
+        // For CSV files, beside Python's own module.
+        "pandas==2.3.3",
+        // For the figures of experiments.
+        "control==0.10.2",
+        "numpy==2.2.6",
+        "scipy==1.15.3",
     ],
 };
 
-/// For CSV files, beside Python's own module.
-const CSV_READERS: Environment = Environment {
-    name: "csv-readers-1",
-    packages: &["pandas==2.3.3"],
-};
-
-/// For the figures of experiments.
-const FIGURES: Environment = Environment {
-    name: "figures-2",
-    packages: &["control==0.10.2", "numpy==2.2.6", "scipy==1.15.3"],
-};
-
-/// For the Python package: what builds its wheel, and what its readings become.
+/// For the Python package: what builds its wheel, and what its readings become. Nothing else, so that its tests fail if it
+/// needs more.
 const PACKAGE: Environment = Environment {
     name: "python-package-1",
     packages: &["maturin==1.16.0", "numpy==2.2.6"],
@@ -58,7 +54,7 @@ const CSV_TESTS: &str = "recorder";
 /// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
 pub fn read_session(workspace: &Workspace) -> Result<()> {
     let foxglove = npm::MCAP_OF_FOXGLOVE.folder()?;
-    let mut test = ignored_tests(workspace, "session", &SESSION_READERS)?;
+    let mut test = ignored_tests(workspace, "session")?;
     process::run(test.env("MOTORLINK_FOXGLOVE", foxglove))
 }
 
@@ -104,13 +100,13 @@ pub fn test_package(workspace: &Workspace) -> Result<()> {
 
 /// Lets Python's csv module and pandas read the CSV files that the page exports.
 pub fn read_csv_files(workspace: &Workspace) -> Result<()> {
-    let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
+    let mut test = ignored_tests(workspace, CSV_TESTS)?;
     process::run(test.arg("python_and_pandas"))
 }
 
 /// Lets numpy, scipy and python-control compute the figures of known systems, and of the CSV files of runs.
 pub fn compute_figures(workspace: &Workspace) -> Result<()> {
-    let mut test = ignored_tests(workspace, "experiments", &FIGURES)?;
+    let mut test = ignored_tests(workspace, "experiments")?;
     process::run(test.args(["independent_intervals::", "figures_in_python::"]))
 }
 
@@ -123,7 +119,7 @@ pub fn open_csv_files(workspace: &Workspace) -> Result<()> {
         "LibreOffice is missing: install it (Debian: apt-get install libreoffice-calc-nogui) or name \
          its program soffice in MOTORLINK_LIBREOFFICE",
     )?;
-    let mut test = ignored_tests(workspace, CSV_TESTS, &CSV_READERS)?;
+    let mut test = ignored_tests(workspace, CSV_TESTS)?;
     test.arg("libreoffice");
     process::run(test.env("MOTORLINK_LIBREOFFICE", libreoffice))
 }
@@ -133,17 +129,15 @@ pub fn with_rosbags() -> Result<PathBuf> {
     ensure(&ROS_READERS)
 }
 
-/// The tests of a program that need this environment.
-fn ignored_tests(
-    workspace: &Workspace,
-    program: &str,
-    environment: &Environment,
-) -> Result<Command> {
-    let python = ensure(environment)?;
+/// The tests of a program that need Python.
+fn ignored_tests(workspace: &Workspace, program: &str) -> Result<Command> {
+    let python = ensure(&READERS)?;
     let mut command = cargo::native(workspace, "test", &["--quiet", "--test", program]);
     command
         .args(["--", "--ignored"])
-        .env("MOTORLINK_PYTHON", python);
+        .env("MOTORLINK_PYTHON", python)
+        // With it, each of many programs would compile scipy again.
+        .env_remove("PYTHONDONTWRITEBYTECODE");
     Ok(command)
 }
 
@@ -181,6 +175,8 @@ fn ensure(Environment { name, packages }: &Environment) -> Result<PathBuf> {
         "install",
         "--quiet",
         "--disable-pip-version-check",
+        // Python compiles what it imports, which is little of it.
+        "--no-compile",
     ]);
     process::run(pip.args(*packages))?;
     fs::write(&complete, packages.join("\n")).with_context(|| format!("{}", complete.display()))?;
