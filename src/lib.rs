@@ -8,11 +8,12 @@
 
 mod app;
 mod features;
+#[cfg(any(test, feature = "fuzzing"))]
+pub mod fuzzing;
 mod link;
 mod model;
 mod ui;
 
 pub use app::{App, start};
-pub use features::{graph::plot as graph, raw::editor as raw_editor, telemetry::twin};
+pub use features::{graph::plot as graph, telemetry::twin};
 pub use model::preferences::{Preferences, Theme};
-pub use model::setup;

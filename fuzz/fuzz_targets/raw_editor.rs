@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink_fuzz_checks::raw_editor(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink::fuzzing::raw_editor(bytes));

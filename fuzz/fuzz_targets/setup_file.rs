@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink_fuzz_checks::setup_file(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink::fuzzing::setup_file(bytes));

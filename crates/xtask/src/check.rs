@@ -120,7 +120,8 @@ pub static SUITE: Suite = Suite {
             on_request: false,
             run: |workspace| {
                 let targets = ["--lib", "--bins", "--tests"];
-                let args = [&targets[..], &DENY_WARNINGS].concat();
+                let fuzzed = ["--features", "motorlink/fuzzing"];
+                let args = [&targets[..], &fuzzed, &DENY_WARNINGS].concat();
                 process::run(&mut cargo::wasm_tests(workspace, "clippy", &args)?)
             },
         },

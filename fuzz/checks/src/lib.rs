@@ -5,12 +5,11 @@
 //! |---|---|---|
 //! | [`decode`] | ten bytes of a wire | a reply or request that reads is written as the same bytes |
 //! | [`resynchronise`] | any bytes of a wire, in any pieces | the next good reply but one is read |
-//! | [`raw_editor`] | what a person types as a frame | a frame, or where it is wrong; a frame reads as itself |
-//! | [`setup_file`] | a file that a person chooses | a setup that is written as the same, or a refusal in words |
 //! | [`session_file`] | a file that a person opens as a session | records in bounded time and memory, or a refusal |
 //!
 //! `fuzz/` feeds them with what `cargo-fuzz` invents (`cargo xtask reliability fuzz`), `tests/corpus.rs` with
-//! what is kept in `fuzz/corpus`.
+//! what is kept in `fuzz/corpus`. What the page reads is in `src/fuzzing.rs`, so that this crate does not compile the
+//! page a second time.
 #![allow(
     clippy::panic,
     clippy::unwrap_used,
@@ -24,10 +23,6 @@ use std::time::Duration;
 
 pub use session::session_file;
 
-use motorlink::{
-    raw_editor::{Entered, Outcome},
-    setup::{SETUP_BYTES_MAX, Setup},
-};
 use motorlink_bus::{Bus, Command, Event, Output};
 use motorlink_protocol::{
     Celsius, CoarsePosition, Current, Detail, FRAME_LEN, Faults, Frame, Instant, Layout, Mode,
@@ -160,38 +155,5 @@ impl Wire {
         self.pass((asked + TURNAROUND).since(self.now));
         self.bus.receive(self.now, reply.frame().bytes());
         self.settle();
-    }
-}
-
-/// The editor of frames. What is no text is nothing that a person can type.
-pub fn raw_editor(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else {
-        return;
-    };
-    let entered = Entered::read(text);
-    assert!(entered.pieces().len() <= FRAME_LEN + 1);
-    match entered.outcome() {
-        Outcome::Wrong(place) => assert!(place < entered.pieces().len()),
-        Outcome::Frame { frame, .. } => {
-            let again = Entered::read(&frame.to_string());
-            assert_eq!(again.frame(), Some(frame));
-        }
-        Outcome::Nothing | Outcome::TooFew(_) | Outcome::LoopMissing => {}
-    }
-}
-
-/// The reader of setup files.
-pub fn setup_file(bytes: &[u8]) {
-    match Setup::from_json(bytes) {
-        Ok(setup) => {
-            let written = setup.to_json();
-            assert!(written.len() <= SETUP_BYTES_MAX);
-            assert_eq!(Setup::from_json(written.as_bytes()), Ok(setup));
-        }
-        Err(refusal) => {
-            let words = refusal.to_string();
-            assert!(!words.is_empty() && words.len() < 1_000, "{words}");
-            assert!(!words.contains(char::is_control), "{words}");
-        }
     }
 }

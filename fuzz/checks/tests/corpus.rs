@@ -24,16 +24,6 @@ fn behind_any_junk_the_next_good_reply_but_one_is_read() {
 }
 
 #[test]
-fn what_is_typed_is_a_frame_or_wrong_at_its_byte() {
-    play("raw_editor", motorlink_fuzz_checks::raw_editor);
-}
-
-#[test]
-fn a_file_is_a_setup_or_refused_in_words() {
-    play("setup_file", motorlink_fuzz_checks::setup_file);
-}
-
-#[test]
 fn a_file_is_a_session_or_refused_and_never_read_for_ever() {
     play("session_file", motorlink_fuzz_checks::session_file);
 }
