@@ -6,6 +6,10 @@
 //! [`App`]'s components, the links to the workers, `serial_ports`, `download`, `lifecycle` and
 //! `keyboard`.
 
+// The tests in `src` run natively only: for the browser, the library is empty as a program of tests. Clippy checks them
+// there all the same. Tests that need a browser are in `tests/page`.
+#![cfg(any(not(test), not(target_arch = "wasm32"), clippy))]
+
 mod app;
 mod features;
 #[cfg(any(test, feature = "fuzzing"))]

@@ -103,7 +103,7 @@ pub static SUITE: Suite = Suite {
             nice: 0,
             on_request: false,
             run: |workspace| {
-                process::run(&mut native_tests(workspace, &[], |name| {
+                process::run(&mut native_tests(workspace, |name| {
                     IN_REAL_TIME.contains(&name)
                 }))
             },
@@ -135,9 +135,10 @@ pub static SUITE: Suite = Suite {
             on_request: false,
             run: |workspace| {
                 // It computes, on the processor time that the browser leaves.
-                let tests = native_tests(workspace, &["--lib", "--bins"], |name| {
+                let mut tests = native_tests(workspace, |name| {
                     name != scenarios::PROGRAM && !IN_REAL_TIME.contains(&name)
                 });
+                add_units(workspace, &mut tests);
                 process::run(&mut suite::idle(&tests))?;
                 let examples = cargo::native(workspace, "test", &["--quiet", "--doc"]);
                 process::run(&mut suite::idle(&examples))
@@ -170,10 +171,9 @@ pub static SUITE: Suite = Suite {
 /// Programs of tests in which motors turn in real time.
 const IN_REAL_TIME: [&str; 4] = ["attempts", "command", "control_socket", "foxglove"];
 
-/// The tests of these programs, and of `more`.
-fn native_tests(workspace: &Workspace, more: &[&str], is_meant: fn(&str) -> bool) -> Command {
+/// The tests of these programs.
+fn native_tests(workspace: &Workspace, is_meant: fn(&str) -> bool) -> Command {
     let mut test = cargo::native(workspace, "test", &["--quiet"]);
-    test.args(more);
     let names = workspace.test_programs().iter();
     for name in names.filter(|name| is_meant(name)) {
         test.args(["--test", name]);
@@ -181,11 +181,20 @@ fn native_tests(workspace: &Workspace, more: &[&str], is_meant: fn(&str) -> bool
     test
 }
 
+/// Adds the tests in the files of libraries and programs. With `--bins`, cargo would build the page's program, which has
+/// none, and for it the page once more.
+fn add_units(workspace: &Workspace, tests: &mut Command) {
+    tests.arg("--lib");
+    for name in workspace.tested_programs() {
+        tests.args(["--bin", name]);
+    }
+}
+
 /// Linking the site keeps one core busy for minutes: the tests compile beside it.
 fn build(workspace: &Workspace) -> Result<()> {
     // Clippy sees the examples.
-    let targets = ["--no-run", "--lib", "--bins", "--tests"];
-    let mut tests = cargo::native(workspace, "test", &targets);
+    let mut tests = native_tests(workspace, |_| true);
+    add_units(workspace, tests.arg("--no-run"));
     let dist = process::run_while(&mut tests, || site::build(workspace, Profile::Release))?;
     bench::check_first_visit(&dist)?;
     // The tests have built the virtual motor. This is the library that shows Chromium its serial line; any other package
@@ -238,6 +247,21 @@ mod tests {
             }
         }
         assert!(libraries > 0);
+    }
+
+    /// There the library is empty: see the top of `src/lib.rs`.
+    #[test]
+    fn no_test_in_the_files_of_the_page_needs_a_browser() {
+        let files = rust_files(&Workspace::find().unwrap().root().join("src"));
+        assert!(files.len() > 100);
+        for file in files {
+            let source = fs::read_to_string(&file).unwrap();
+            assert!(
+                !source.contains("#[wasm_bindgen_test"),
+                "{}",
+                file.display()
+            );
+        }
     }
 
     fn rust_files(dir: &Path) -> Vec<PathBuf> {

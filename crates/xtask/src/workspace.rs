@@ -13,6 +13,7 @@ pub struct Workspace {
     root: PathBuf,
     target: PathBuf,
     test_programs: Vec<String>,
+    tested_programs: Vec<String>,
 }
 
 impl Workspace {
@@ -34,13 +35,19 @@ impl Workspace {
         Ok(Self {
             root: directory("workspace_root")?,
             target: directory("target_directory")?,
-            test_programs: test_programs(&metadata),
+            test_programs: names_of_targets(&metadata, is_native_test),
+            tested_programs: names_of_targets(&metadata, is_tested_program),
         })
     }
 
     /// The native programs of tests, in the folders `tests` of the packages.
     pub fn test_programs(&self) -> &[String] {
         &self.test_programs
+    }
+
+    /// The programs with tests in their own files.
+    pub fn tested_programs(&self) -> &[String] {
+        &self.tested_programs
     }
 
     /// The top of the repository.
@@ -59,21 +66,39 @@ impl Workspace {
     }
 }
 
-fn test_programs(metadata: &Value) -> Vec<String> {
-    let list = |of: &Value, key| of.get(key).and_then(Value::as_array).cloned();
-    let packages = list(metadata, "packages").unwrap_or_default();
+fn names_of_targets(metadata: &Value, is_meant: fn(&Value) -> bool) -> Vec<String> {
+    let packages = list(metadata, "packages");
     let targets = packages
         .iter()
-        .flat_map(|package| list(package, "targets").unwrap_or_default());
-    let is_native_test = |target: &Value| {
-        let is_test = list(target, "kind").is_some_and(|kinds| kinds.iter().any(|it| it == "test"));
-        // The tests of the page in a browser need a feature.
-        is_test && target.get("required-features").is_none()
-    };
+        // It is for the browser only.
+        .filter(|package| {
+            package
+                .get("name")
+                .is_none_or(|name| name != "motorlink-worker")
+        })
+        .flat_map(|package| list(package, "targets"));
     let names = targets
-        .filter(is_native_test)
+        .filter(is_meant)
         .filter_map(|target| Some(target.get("name")?.as_str()?.to_owned()));
     names.collect()
+}
+
+fn list(of: &Value, key: &str) -> Vec<Value> {
+    let list = of.get(key).and_then(Value::as_array);
+    list.cloned().unwrap_or_default()
+}
+
+fn is_native_test(target: &Value) -> bool {
+    // The tests of the page in a browser need a feature.
+    is(target, "test") && target.get("required-features").is_none()
+}
+
+fn is_tested_program(target: &Value) -> bool {
+    is(target, "bin") && target.get("test") == Some(&Value::Bool(true))
+}
+
+fn is(target: &Value, kind: &str) -> bool {
+    list(target, "kind").iter().any(|it| it == kind)
 }
 
 #[cfg(test)]
@@ -94,8 +119,11 @@ mod tests {
     fn programs_of_tests_are_those_that_need_no_browser() {
         let json = r#"{"workspace_root": "/a", "target_directory": "/b", "packages": [{"targets": [
             {"name": "lib", "kind": ["lib"]}, {"name": "bus", "kind": ["test"]},
-            {"name": "page", "kind": ["test"], "required-features": ["page-tests"]}]}]}"#;
+            {"name": "page", "kind": ["test"], "required-features": ["page-tests"]},
+            {"name": "page", "kind": ["bin"], "test": false},
+            {"name": "wire", "kind": ["bin"], "test": true}]}]}"#;
         let workspace = Workspace::from_metadata(json).unwrap();
         assert_eq!(workspace.test_programs(), ["bus"]);
+        assert_eq!(workspace.tested_programs(), ["wire"]);
     }
 }
