@@ -79,9 +79,9 @@ impl Set {
 const SURVIVED_CODE: i32 = 2;
 const ENDLESS_CODE: i32 = 3;
 
-/// A change whose tests take longer than this, in seconds, counts as noticed: many changes make a loop endless. The tests of
-/// the recorder take the longest, 14 s.
-const TIMEOUT_S: &str = "180";
+/// A change whose tests take so many times as long as without it counts as noticed: many changes make a loop endless. Two
+/// programs at once take up to three times as long as one.
+const TIMEOUT_MULTIPLIER: &str = "6";
 
 /// Bytes of address space for each program. The compiler had 0.8 GB.
 const ADDRESS_SPACE_MAX: u64 = 6_000_000_000;
@@ -122,7 +122,8 @@ fn run(workspace: &Workspace, set: Set, jobs: u8) -> Result<(String, Result<()>)
     for path in set.paths() {
         cargo.args(["--file", &path]);
     }
-    cargo.args(["--timeout", TIMEOUT_S, "--jobs", &jobs.to_string()]);
+    cargo.args(["--timeout-multiplier", TIMEOUT_MULTIPLIER]);
+    cargo.args(["--jobs", &jobs.to_string()]);
     cargo.arg("--output").arg(&found);
     cargo.args(["--", "--lib", "--tests"]);
     let status = cargo.status().context("cannot start cargo mutants")?;
