@@ -6,6 +6,7 @@ use end_to_end::{Bench, Page, View, WAIT_MAX, wait_until};
 use crate::fixture::{
     assert_quiet_console, number,
     places::{STOP, in_sight, look},
+    wait_until_enabled,
 };
 
 /// The status `Connection` says so, and this many motors report their speed.
@@ -157,7 +158,8 @@ fn a_person_who_wants_less_motion_sees_a_pointer_turn() -> Result<()> {
     let page = bench.open("/")?;
     page.want_less_motion()?;
     page.go(&format!("{}/?port=virtual", bench.origin()))?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    wait_until_enabled(&page, "button", "Start", true)?;
     page.press("f")?;
     let turned = |part: &str| -> Result<f64> {
         let angle = format!(
