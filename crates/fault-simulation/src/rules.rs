@@ -35,7 +35,7 @@ use std::time::Duration;
 
 use motorlink_bus::{Bus, Limits};
 use motorlink_protocol::family::{Model, Request};
-use motorlink_protocol::{Frame, Instant, MotorId, Setpoint};
+use motorlink_protocol::{Frame, Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::World;
 
 use crate::action::LineFault;
@@ -300,10 +300,13 @@ impl Rules {
         self.in_time.disturbed();
         // The bus counts a silently truncated frame as sent: the motor has had the first frame of its stop.
         if !reported
-            && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
-                Request::parse(self.model, &frame)
+            && let Ok(request) = Request::parse(self.model, &frame)
+            && let Request::Drive { id, .. } | Request::SwitchMode { id, .. } = request
         {
             self.stops.remove(&id);
+            if may_stop(request) {
+                self.rested.insert(id, now);
+            }
         }
         // The bus sends another first.
         for until in self.stops.values_mut() {
@@ -353,6 +356,15 @@ impl Rules {
             return broken(Rule::StopEnds, now, format!("it began at {began:?}"));
         }
         Ok(())
+    }
+}
+
+/// Whether this may be a frame of a stop.
+fn may_stop(request: Request) -> bool {
+    match request {
+        Request::Drive { drive, .. } => drive.brakes() || drive.signed() == 0,
+        Request::SwitchMode { mode, .. } => mode == Mode::Velocity,
+        _ => false,
     }
 }
 

@@ -569,3 +569,40 @@ fn the_last_of_three_withdrawn_motors_waits_for_the_windows_of_two() {
         ],
     );
 }
+
+/// Rule `StopIsNext`: the first frame of the stop of motor 4, which the port truncates silently, comes before the event
+/// that reports its stop. The bus repeats it in turn with the stops of the other two.
+#[test]
+fn a_silently_truncated_first_frame_of_a_stop_is_repeated_in_its_turn() {
+    holds(
+        4_126,
+        4,
+        vec![
+            switch(id(1), Mode::Current),
+            pause(150),
+            Action::LineDies {
+                lasts: Duration::from_millis(22_452),
+            },
+            pause(874),
+            switch(id(4), Mode::Position),
+            pause(450),
+            drive(id(4), Setpoint::Position(PositionTarget::new(976).unwrap())),
+            Action::Command(Command::Stop(id(1))),
+            Action::Command(Command::Stop(id(2))),
+            Action::Command(Command::Stop(id(3))),
+            pause(2_500),
+            rpm(id(1), -27),
+            rpm(id(2), 79),
+            rpm(id(3), 62),
+            Action::Line(LineFault::Gathers(25)),
+            pause(3_795),
+            pause(299),
+            Action::PortTruncates {
+                frames: 5,
+                bytes: 1,
+                reported: false,
+            },
+            pause(2_500),
+        ],
+    );
+}
