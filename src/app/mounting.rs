@@ -295,11 +295,9 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
         >
             <div class="top" node_ref=areas.top></div>
             <div class="above-desk" inert=behind_dialog node_ref=areas.above_desk></div>
-            <div class="workspace" inert=behind_dialog>
-                <div class="desk-place">
-                    // The skip link leads here.
-                    <main class="desk" id="control" tabindex="-1" node_ref=areas.desk></main>
-                </div>
+            <div class="desk-place" inert=behind_dialog>
+                // The skip link leads here.
+                <main class="desk" id="control" tabindex="-1" node_ref=areas.desk></main>
             </div>
             <div class="dialogs" node_ref=areas.dialogs></div>
         </div>
