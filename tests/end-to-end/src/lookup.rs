@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use serde_json::json;
 
 use crate::cdp::at;
@@ -45,7 +45,7 @@ impl Page {
     /// When there is none: the error lists those of this role. When there is more than one: a second one is
     /// noticed within 300 ms.
     pub fn find(&self, role: &str, name: &str) -> Result<Control> {
-        wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
+        let found = wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
             if let Some(control) = self.find_again(role, name) {
                 return Ok(Ok(control));
             }
@@ -53,9 +53,10 @@ impl Page {
             match found.pop() {
                 Some(control) if found.is_empty() => Ok(Ok(control)),
                 Some(_) => bail!("{} of {role} {name:?}, not one", found.len() + 1),
-                None => Ok(Err(self.controls_with_role(role)?)),
+                None => Ok(Err("none".to_owned())),
             }
-        })
+        });
+        found.map_err(|error| self.with_controls_of_role(role, &error))
     }
 
     /// The control that a query has just found, if it still has this role and name.
@@ -99,13 +100,15 @@ impl Page {
         wanted: impl Fn(&str) -> bool,
     ) -> Result<String> {
         let what = format!("{role} {name:?} to read as it should");
-        wait_until(&what, wait_max, || {
+        let mut exists = false;
+        let read = wait_until(&what, wait_max, || {
             let control = match self.find_again(role, name) {
                 Some(control) => Some(control),
                 None => self.find_all(role, name)?.pop(),
             };
+            exists = control.is_some();
             let Some(control) = control else {
-                return Ok(Err(self.controls_with_role(role)?));
+                return Ok(Err("none".to_owned()));
             };
             Ok(match control.text() {
                 Ok(text) if wanted(&text) => Ok(text),
@@ -113,7 +116,11 @@ impl Page {
                 // The page may replace it between finding and reading it.
                 Err(error) => Err(format!("{error:#}")),
             })
-        })
+        });
+        match read {
+            Err(error) if !exists => Err(self.with_controls_of_role(role, &error)),
+            read => read,
+        }
     }
 
     pub(crate) fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
@@ -153,14 +160,17 @@ impl Page {
         root.context("a document without a root")
     }
 
-    fn controls_with_role(&self, role: &str) -> Result<String> {
-        let alike = self.query("role", browser_role(role))?;
-        let titles: Vec<String> = alike.iter().map(Control::title).collect();
-        Ok(if titles.is_empty() {
-            format!("no {role} at all")
-        } else {
-            titles.join(", ")
-        })
+    /// An error about a missing control, and the controls of this role that are there instead.
+    fn with_controls_of_role(&self, role: &str, error: &Error) -> Error {
+        let there_is = match self.query("role", browser_role(role)) {
+            Ok(alike) if alike.is_empty() => format!("there is no {role} at all"),
+            Ok(alike) => {
+                let titles: Vec<String> = alike.iter().map(Control::title).collect();
+                format!("there is {}", titles.join(", "))
+            }
+            Err(error) => format!("no {role} can be looked for: {error:#}"),
+        };
+        anyhow!("{error:#}; {there_is}")
     }
 }
 

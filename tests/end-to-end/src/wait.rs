@@ -9,10 +9,13 @@ use anyhow::{Result, bail};
 /// ten times as long.
 pub const WAIT_MAX: Duration = Duration::from_secs(20);
 
-/// Time between two checks: short for a test, long for the machine.
+/// Minimal time between two looks: short for a test, long for the machine.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Maximal time between two looks. Some of them wait for something themselves.
+const PAUSE_MAX: Duration = Duration::from_millis(200);
 
-/// Calls `look` until it returns a value, at most for `wait_max`.
+/// Calls `look` until it returns a value, at most for `wait_max`. Looking takes the time of the page that is to change, so
+/// the pause between two looks is twice as long as the look, within bounds.
 ///
 /// # Errors
 ///
@@ -25,12 +28,16 @@ pub fn wait_until<T>(
 ) -> Result<T> {
     let deadline = Instant::now() + wait_max;
     loop {
+        let looked = Instant::now();
         match look()? {
             Ok(value) => return Ok(value),
             Err(instead) if Instant::now() >= deadline => {
                 bail!("waited {wait_max:?} for {what}; instead: {instead}")
             }
-            Err(_) => thread::sleep(PAUSE),
+            Err(_) => {
+                let pause = (2 * looked.elapsed()).clamp(PAUSE, PAUSE_MAX);
+                thread::sleep(pause.min(deadline.saturating_duration_since(Instant::now())));
+            }
         }
     }
 }
