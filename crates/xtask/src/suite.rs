@@ -233,7 +233,7 @@ pub fn low_priority(program: impl AsRef<OsStr>, nice: u8) -> Command {
     command
 }
 
-/// The same command at the niceness of what computes beside motors.
+/// The same command at the niceness of what computes beside tests in real time.
 pub fn patient(command: &Command) -> Command {
     process::like(low_priority(command.get_program(), 10), command)
 }

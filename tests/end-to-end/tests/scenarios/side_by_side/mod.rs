@@ -2,7 +2,6 @@
 
 mod accessibility;
 mod adapters;
-mod bad_lines;
 mod busy_ports;
 mod clipping;
 mod desk;
