@@ -222,6 +222,11 @@ impl Bus {
             // A late reply may report the time before this frame.
             if motor.late.outstanding(now) == 0 {
                 motor.torque.answered(&exchange.frame);
+                if let Control::Stopping(stop) = &mut motor.control
+                    && exchange.sent >= stop.began()
+                {
+                    stop.answered();
+                }
             }
         }
         let unconfirmed = motor.loop_is_unconfirmed();

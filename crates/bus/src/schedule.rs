@@ -9,7 +9,7 @@ use crate::{
     probe::Probe,
     silence::Silence,
     stop::Stopping,
-    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE, TEMPERATURE_OLD},
+    timing::{DRIVE_WAITS_FOR_STOPS_MAX, EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE, TEMPERATURE_OLD},
 };
 
 /// When the next frame goes out.
@@ -79,7 +79,7 @@ pub(crate) struct Pacing {
 
 /// Picks the next frame. The first frame of a stop goes before everything; then mode switches,
 /// queries that have waited too long, stop and drive frames by deadline, and queries that delay no
-/// drive frame.
+/// drive frame. A stop that a motor may not have got goes before drive frames.
 ///
 /// `raw` is when the raw frame is due; it is scheduled like a drive frame.
 pub(crate) fn next_turn(
@@ -148,10 +148,14 @@ pub(crate) fn next_turn(
     if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at) && !stop_is_next) {
         return Turn::Now(due_frame);
     }
-    // A running stop does not take the line from driven motors.
+    // A running stop does not take the line from driven motors, unless a motor may have got none of its frames: its wheel
+    // turns on.
+    let drive_has_waited = drive.is_some_and(|(at, _)| now >= at + DRIVE_WAITS_FOR_STOPS_MAX);
+    let may_turn_on = || motors.iter().any(may_have_got_no_stop);
+    let stop_before_drive = drive_waits_for_proof || !drive_has_waited && may_turn_on();
     let raw = raw.map(|at| (at, DueFrame::Raw));
     let frames = stop.into_iter().chain(drive).chain(raw);
-    let frame = match stop.filter(|(at, _)| drive_waits_for_proof && due(*at)) {
+    let frame = match stop.filter(|(at, _)| stop_before_drive && due(*at)) {
         Some(stop) => Some(stop),
         None => frames.min_by_key(|(at, _)| *at),
     };
@@ -221,6 +225,15 @@ fn next_stop(
             }))
         }
         (one, other) => one.or(other).map(frame),
+    }
+}
+
+/// Whether this motor may have got no frame of its stop. A motor that is known not to answer does not take the line from
+/// driven motors.
+fn may_have_got_no_stop(motor: &Motor) -> bool {
+    match &motor.control {
+        Control::Stopping(stop) => !motor.is_without_answer() && stop.may_have_got_nothing(),
+        _ => false,
     }
 }
 

@@ -13,7 +13,8 @@ use crate::{
     safety::{StopPlan, stop_plan},
     start::Start,
     timing::{
-        SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD,
+        DRIVEN_UNANSWERED_MAX, SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW,
+        SWITCH_FRAMES, SWITCH_PERIOD,
     },
 };
 
@@ -28,6 +29,8 @@ pub(crate) struct Stopping {
     /// oldest gets the next one, so that no wheel brakes first.
     last_frame: Option<(Instant, Request)>,
     pub(crate) next_frame: Instant,
+    /// How many frames were sent; `None` once a reply has come that can only answer one of them.
+    sent_unanswered: Option<u32>,
     /// Whether a brake frame was sent to the motor in the velocity loop.
     has_brake: bool,
     switches: u8,
@@ -64,6 +67,7 @@ impl Stopping {
             asked: now,
             last_frame: None,
             next_frame: now,
+            sent_unanswered: Some(0),
             has_brake: false,
             switches: 0,
             next_switch: first_switch,
@@ -160,6 +164,7 @@ impl Stopping {
     ) {
         self.last_frame = Some((now, request));
         self.next_frame = now + period;
+        self.sent_unanswered = self.sent_unanswered.map(|sent| sent.saturating_add(1));
         self.asks_left = self.asks_left.saturating_sub(1);
         match request {
             Request::Query { .. } => self.last_query = Some(now),
@@ -187,6 +192,18 @@ impl Stopping {
     /// The last frame was not answered: it may be lost, so the next one does not wait.
     pub(crate) fn unanswered(&mut self, now: Instant) {
         self.next_frame = self.next_frame.min(now);
+    }
+
+    /// Whether the motor may have got no frame yet, so that its wheel turns on. After three without an answer, it more
+    /// likely has no power.
+    pub(crate) fn may_have_got_nothing(&self) -> bool {
+        let sent = self.sent_unanswered;
+        sent.is_some_and(|sent| (1..DRIVEN_UNANSWERED_MAX).contains(&sent))
+    }
+
+    /// A reply has come that can only answer a frame of this stop.
+    pub(crate) const fn answered(&mut self) {
+        self.sent_unanswered = None;
     }
 
     /// Records a reply to a request of this stop. `angle_stands` is what its angle tells, if it has one.

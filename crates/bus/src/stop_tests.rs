@@ -127,3 +127,17 @@ fn a_motor_that_last_reported_the_position_loop_is_not_braked_after_many_switche
         brake()
     );
 }
+
+#[test]
+fn a_motor_may_have_got_nothing_until_an_answer_or_the_third_frame() {
+    let mut stop = stop_of(Some(Mode::Velocity));
+    assert!(!stop.may_have_got_nothing());
+    for may_have in [true, true, false] {
+        stop.sent(BEGAN, Model::Ddsm115, brake(), STOP_PERIOD, true);
+        assert_eq!(stop.may_have_got_nothing(), may_have);
+    }
+    let mut stop = stop_of(Some(Mode::Velocity));
+    stop.sent(BEGAN, Model::Ddsm115, brake(), STOP_PERIOD, true);
+    stop.answered();
+    assert!(!stop.may_have_got_nothing());
+}

@@ -1,6 +1,6 @@
 //! An adapter that becomes slower than the reply windows.
 
-use crate::fixture::{Fixture, id, ms, rpm};
+use crate::fixture::{Fixture, Sent, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, Command, Consent, Counters, MotorStatus};
 use motorlink_protocol::{MotorId, family::Model};
 use motorlink_simulator::{WireFaults, WorldConfig};
@@ -92,6 +92,76 @@ fn replies_come_in_time_within_a_second() {
                     slowed.assert_in_time();
                 }
             }
+        }
+    }
+}
+
+/// Driven motors on an adapter that has become slow. The last frame went to the last of them, and has arrived.
+fn all_driven(motors: u8, hold_ms: u8) -> Fixture {
+    let slowed = Slowed {
+        model: Model::Ddsm115,
+        motors,
+        driven: motors.into(),
+        hold_ms,
+        is_driven_before: false,
+    };
+    let mut fixture = slowed.fixture();
+    let is_last = |sent: &Sent| sent.drive_of(id(motors)).is_some();
+    fixture.run_until(ms(1_000), |fixture| {
+        fixture.sent.last().is_some_and(is_last)
+    });
+    fixture.run(ms(1));
+    fixture.forget_the_past();
+    fixture
+}
+
+/// A wheel whose stop frame was lost turns on. On a slow adapter a driven motor always has a frame due; it must not delay
+/// the next stop frame.
+#[test]
+fn lost_stop_frames_are_repeated_before_another_motor_is_driven() {
+    for hold_ms in [8, 16, 25] {
+        let mut fixture = all_driven(4, hold_ms);
+        let faults = |lose_request| WireFaults {
+            hold: ms(hold_ms.into()),
+            lose_request,
+            ..WireFaults::default()
+        };
+        fixture.world.set_faults(faults(1.0));
+        for motor in 1..=3 {
+            fixture.command(Command::Stop(id(motor))).unwrap();
+        }
+        fixture.run_until(ms(500), |fixture| fixture.sent.len() == 3);
+        // The third one is lost too.
+        fixture.run(ms(2));
+        fixture.world.set_faults(faults(0.0));
+        fixture.run(ms(500));
+        let driven = |sent: &Sent| (1..=4).find(|motor| sent.drive_of(id(*motor)).is_some());
+        let first: Vec<u8> = fixture.sent.iter().filter_map(driven).take(6).collect();
+        assert_eq!(first, [1, 2, 3, 1, 2, 3], "{hold_ms} ms");
+    }
+}
+
+#[test]
+fn stops_that_are_lost_let_a_drive_frame_pass_within_300_ms() {
+    for hold_ms in [1, 8, 16, 25] {
+        for lost in [0.3, 0.6, 1.0] {
+            let mut fixture = all_driven(4, hold_ms);
+            fixture.world.set_faults(WireFaults {
+                hold: ms(hold_ms.into()),
+                lose_request: lost,
+                ..WireFaults::default()
+            });
+            let mut times = vec![fixture.now];
+            for motor in 1..=3 {
+                fixture.command(Command::Stop(id(motor))).unwrap();
+            }
+            fixture.run(ms(1_000));
+            times.extend(fixture.drive_times(id(4)));
+            let gap = longest_gap(&times);
+            assert!(
+                times.len() > 4 && gap <= ms(300),
+                "{hold_ms} ms, {lost} lost: {gap:?}"
+            );
         }
     }
 }
