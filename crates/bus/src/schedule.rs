@@ -99,7 +99,7 @@ pub(crate) fn next_turn(
         drive_waits_for_proof,
     } = pacing;
     let due = |at: Instant| now + EARLY >= at;
-    let stop = next_stop(motors, silent_stopped);
+    let stop = next_stop(motors, silent_stopped, now);
     if let Some((_, id, false)) = stop {
         return Turn::Now(DueFrame::Stop(id));
     }
@@ -200,6 +200,7 @@ pub(crate) fn next_turn(
 fn next_stop(
     motors: &[Motor],
     silent_stopped: Option<Instant>,
+    now: Instant,
 ) -> Option<(Instant, MotorId, bool)> {
     let longest_without = |of_silent: bool| {
         let stops = motors.iter().filter_map(|motor| match &motor.control {
@@ -208,8 +209,8 @@ fn next_stop(
             }
             _ => None,
         });
-        // A motor without a frame comes first.
-        stops.min_by_key(|(id, stop)| (stop.last_sent(), *id))
+        // A motor without a frame comes first. One whose slow brake frame was answered waits longer than the others.
+        stops.min_by_key(|(id, stop)| (now < stop.next_frame, stop.last_sent(), *id))
     };
     let frame =
         |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.last_sent().is_some());

@@ -1,11 +1,11 @@
 //! Every model comes to a stop, also on a bad line and after a power cut.
 
-use motorlink_bus::{Activity, BusSettings, Command, Event, Refusal};
+use motorlink_bus::{Activity, BusSettings, Command, Consent, Event, Refusal, StopReason};
 use motorlink_protocol::{Detail, Instant, Mode, PositionTarget, Setpoint, family::Model};
-use motorlink_simulator::WireFaults;
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 use crate::fixture::driven_models::{on, setpoint, stopped, switched};
-use crate::fixture::{Fixture, ID, longest_gap, ms, rpm};
+use crate::fixture::{Fixture, ID, id, longest_gap, ms, rpm};
 
 #[test]
 fn each_model_stands_soon_after_a_stop_from_its_nominal_speed() {
@@ -126,6 +126,40 @@ fn slow_brake_frames_that_are_lost_are_sent_again_at_once() {
             "seed {seed}: {}",
             fixture.true_rpm()
         );
+    }
+}
+
+/// The other motor, whose last frame is older, was answered and gets no frame for 300 ms.
+#[test]
+fn a_lost_slow_brake_frame_does_not_wait_for_the_one_of_another_motor() {
+    for seed in 0..20 {
+        let ids = [id(1), id(2)];
+        let mut fixture = Fixture::watching(WorldConfig::of(Model::Ddsm315, ids), &ids);
+        slow_brake_frames(&mut fixture);
+        for id in ids {
+            let (setpoint, consent) = (rpm(100), Consent::None);
+            fixture
+                .command(Command::Drive {
+                    id,
+                    setpoint,
+                    consent,
+                })
+                .unwrap();
+        }
+        fixture.run(ms(2_000));
+        fixture.world.set_faults(WireFaults {
+            lose_request: 0.4,
+            ..WireFaults::default()
+        });
+        fixture.run(ms(seed * 7));
+        fixture
+            .command(Command::StopAll(StopReason::Operator))
+            .unwrap();
+        fixture.run(ms(600));
+        for id in ids {
+            let rpm = fixture.world.motor(id).unwrap().speed_rpm();
+            assert!(rpm.abs() < 10.0, "seed {seed}, {id}: {rpm}");
+        }
     }
 }
 
