@@ -195,8 +195,11 @@ fn a_restored_session_has_its_graph() -> Result<()> {
     offered(&page)?;
     restore(&page)?;
     waits_for_lines()?;
-    // This session stands behind it.
+    // This session stands behind it. What the crash left driven is stopped first; a press before that is refused.
     connect(&page)?;
+    page.wait_for_text("region", "Notices", |text| {
+        text.contains("Stopped, standstill confirmed")
+    })?;
     spin(&page, "+50", 47..=53)?;
     waits_for_lines()?;
     assert_quiet_console(&page);
