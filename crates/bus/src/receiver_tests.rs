@@ -3,6 +3,9 @@
 use super::*;
 use motorlink_protocol::family::Reading;
 
+#[path = "receiver/old_bytes_tests.rs"]
+mod old_bytes;
+
 const QUERY: &str = "01 74 00 00 00 00 00 00 00 04";
 const REPLY: &str = "01 02 00 0A 00 00 20 F6 00 4A";
 const ID: MotorId = MotorId::FIRST;
@@ -49,6 +52,19 @@ fn a_reply_is_found_behind_an_echo_of_any_length() {
                 ..OtherBytes::default()
             }
         );
+    }
+}
+
+#[test]
+fn the_last_bytes_of_an_echo_before_a_reply_are_no_junk() {
+    for length in 2..FRAME_LEN {
+        let mut bytes = frame(QUERY).bytes()[FRAME_LEN - length..].to_vec();
+        bytes.extend(frame(REPLY).bytes());
+        let (_, before) = after(&bytes).take(length, &frame(QUERY)).unwrap();
+        assert_eq!((before.echoed, before.junk_bytes), (length, 0));
+        let all = after(&bytes).clear(&frame(QUERY));
+        assert_eq!((all.echoed, all.junk_bytes), (length, 0));
+        assert_eq!(frames(&all), [frame(REPLY)]);
     }
 }
 
@@ -306,20 +322,6 @@ fn a_stray_byte_that_makes_a_reply_with_a_known_fault_makes_the_reply_unclear() 
     );
 }
 
-#[test]
-fn a_block_is_remembered_until_the_end_of_the_exchange() {
-    let query = frame(QUERY);
-    let mut receiver = after(&[0; BLOCK - FRAME_LEN]);
-    receiver.push(frame(REPLY).bytes());
-    assert!(!receiver.clear(&query).is_block);
-    receiver.push(&[0; BLOCK]);
-    receiver.push(frame(REPLY).bytes());
-    let (_, before) = receiver.take(BLOCK, &query).unwrap();
-    assert!(before.is_block);
-    assert!(receiver.clear(&query).is_block);
-    assert!(!receiver.clear(&query).is_block);
-}
-
 /// The id and the loop of the motor in bytes 6 and 7 of its reply: another reply may begin there.
 #[test]
 fn a_reply_in_which_another_may_begin_is_found_once_the_other_could_be_complete() {
@@ -332,43 +334,4 @@ fn a_reply_in_which_another_may_begin_is_found_once_the_other_could_be_complete(
     assert_eq!(found(&receiver, true), Found::At(0));
     receiver.push(&[0]);
     assert_eq!(found(&receiver, false), Found::At(0));
-}
-
-/// Bytes before a reply tell nothing of the echo where they may be older than its request: in a block, and while a reply
-/// is owed.
-#[test]
-fn old_bytes_rule_out_no_echo() {
-    let query = frame(QUERY);
-    let rules_out = |is_owed: bool, before: usize| {
-        let mut receiver = after(&[]);
-        for _ in 0..12 {
-            if is_owed {
-                receiver.window_ended(&query);
-            }
-            let bytes = [&vec![0; before], &frame(REPLY).bytes()[..]].concat();
-            receiver.push(&bytes);
-            receiver.take(before, &query).unwrap();
-            receiver.clear(&query);
-        }
-        receiver.echo.is_ruled_out()
-    };
-    assert!(rules_out(false, 0) && rules_out(false, 1));
-    assert!(rules_out(true, 0) && !rules_out(true, 1));
-    assert!(!rules_out(false, BLOCK - FRAME_LEN));
-}
-
-/// The reply of a DDSM210 may be a copy of its request, as an echo is.
-#[test]
-fn a_copy_of_the_request_rules_out_no_echo() {
-    let sent = Frame::with_crc([1, 0x64, 0, 0, 0, 0, 0, 0, 0]);
-    let other = Frame::with_crc([1, 0x64, 0, 0, 0, 0, 0, 30, 0]);
-    let ruled_out_by = |reply: Frame| {
-        let mut receiver = Receiver::new(Model::Ddsm210);
-        for _ in 0..12 {
-            receiver.push(reply.bytes());
-            receiver.take(0, &sent).unwrap();
-        }
-        receiver.echo.is_ruled_out()
-    };
-    assert!(ruled_out_by(other) && !ruled_out_by(sent));
 }

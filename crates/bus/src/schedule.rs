@@ -269,3 +269,7 @@ fn earliest(
         .filter_map(|motor| Some((at(motor)?, motor.id)))
         .min()
 }
+
+#[cfg(test)]
+#[path = "schedule_tests.rs"]
+mod tests;

@@ -141,3 +141,65 @@ fn a_motor_may_have_got_nothing_until_an_answer_or_the_third_frame() {
     stop.answered();
     assert!(!stop.may_have_got_nothing());
 }
+
+/// A DDSM210 does not name the loop in its reply to a brake, so it is asked for the loop too.
+#[test]
+fn between_two_switches_a_motor_is_braked_and_where_its_reply_does_not_name_the_loop_asked() {
+    let query = Request::ModeQuery { id: ID };
+    for (model, between) in [
+        (Model::Ddsm115, vec![brake()]),
+        (Model::Ddsm210, vec![brake(), query]),
+    ] {
+        let mut stop = stop_of(Some(Mode::Current));
+        let mut now = BEGAN + STOP_PERIOD;
+        for request in [vec![switch()], between, vec![switch()]].concat() {
+            assert_eq!(stop.next_request(now, model, ID, false, false), request);
+            stop.sent(now, model, request, STOP_PERIOD, true);
+            now = now + SWITCH_PERIOD;
+        }
+    }
+}
+
+#[test]
+fn a_reply_has_the_layout_of_the_requests_since_if_they_were_all_alike() {
+    let at = |ms| BEGAN + Duration::from_millis(ms);
+    let mut stop = stop_of(Some(Mode::Velocity));
+    stop.sent(at(10), Model::Ddsm115, brake(), STOP_PERIOD, true);
+    assert_eq!(stop.layout_since(BEGAN), Some(Layout::Drive));
+    assert_eq!(stop.layout_since(at(10)), Some(Layout::Drive));
+    assert_eq!(stop.layout_since(at(11)), None, "nothing was sent since");
+    assert_eq!(
+        stop.layout_since(BEGAN - STOP_PERIOD),
+        None,
+        "before the stop"
+    );
+    let query = Request::Query { id: ID };
+    stop.sent(at(20), Model::Ddsm115, query, STOP_PERIOD, true);
+    assert_eq!(stop.layout_since(at(11)), Some(Layout::Query));
+    assert_eq!(stop.layout_since(at(10)), None, "both were sent");
+}
+
+#[test]
+fn a_wheel_with_1_rpm_does_not_stand() {
+    for (rpm, stands) in [(0, true), (1, false), (-1, false)] {
+        let mut stop = stop_of(Some(Mode::Velocity));
+        for _ in 0..STANDSTILL_REPLIES {
+            let reply = Reply {
+                speed: Some(Rpm::new(rpm)),
+                ..standing(Mode::Velocity)
+            };
+            stop.record_reply(&reply, Some(true));
+        }
+        assert_eq!(stop.confirmed(), stands, "{rpm} rpm");
+    }
+}
+
+#[test]
+fn a_motor_waits_for_a_brake_until_one_is_sent_in_the_velocity_loop() {
+    for (mode, waits) in [(Mode::Velocity, false), (Mode::Current, true)] {
+        let mut stop = stop_of(Some(mode));
+        assert!(stop.waits_for_brake());
+        stop.sent(BEGAN, Model::Ddsm115, brake(), STOP_PERIOD, true);
+        assert_eq!(stop.waits_for_brake(), waits, "{mode:?}");
+    }
+}

@@ -82,7 +82,7 @@ fn a_wheel_driven_before_a_gap_is_stopped_by_any_first_call_after_it() {
             (ms(800), StopReason::LoopDelayed),
             (ms(4_000), StopReason::LoopDelayed),
             (ms(30_000), StopReason::ComputerSlept),
-            (Duration::from_secs(600), StopReason::ComputerSlept),
+            (Duration::from_secs(60), StopReason::ComputerSlept),
         ] {
             // The gap begins at any place of the drive loop.
             for phase_us in [0, 700, 1_900, 2_600, 9_000, 15_000] {
