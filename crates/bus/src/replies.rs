@@ -223,7 +223,7 @@ impl Bus {
             if motor.late.outstanding(now) == 0 {
                 motor.torque.answered(&exchange.frame);
                 if let Control::Stopping(stop) = &mut motor.control
-                    && exchange.sent >= stop.began()
+                    && stop.last_sent() == Some(exchange.sent)
                 {
                     stop.answered();
                 }

@@ -148,11 +148,11 @@ pub(crate) fn next_turn(
     if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at) && !stop_is_next) {
         return Turn::Now(due_frame);
     }
-    // A running stop does not take the line from driven motors, unless a motor may have got none of its frames: its wheel
-    // turns on.
+    // A running stop does not take the line from driven motors, unless a motor may have got none of its frames, so that
+    // its wheel keeps turning. Queries go between: the temperature is a limit too.
     let drive_has_waited = drive.is_some_and(|(at, _)| now >= at + DRIVE_WAITS_FOR_STOPS_MAX);
-    let may_turn_on = || motors.iter().any(may_have_got_no_stop);
-    let stop_before_drive = drive_waits_for_proof || !drive_has_waited && may_turn_on();
+    let may_keep_turning = || motors.iter().any(may_have_got_no_stop);
+    let stop_before_drive = drive_waits_for_proof || !drive_has_waited && may_keep_turning();
     let raw = raw.map(|at| (at, DueFrame::Raw));
     let frames = stop.into_iter().chain(drive).chain(raw);
     let frame = match stop.filter(|(at, _)| stop_before_drive && due(*at)) {
@@ -192,8 +192,8 @@ pub(crate) fn next_turn(
     }
 }
 
-/// The next frame of a stop, and whether the first frame was sent. Every answering motor gets a
-/// frame before any of them gets its next one, also one that was silent or joins later.
+/// The next frame of a stop, and whether the first frame was sent. Of the answering motors whose
+/// frame is due, the one whose last frame is the oldest is next, also if it was silent or joins later.
 ///
 /// A silent motor costs a reply window each time. So all answering motors get their frame between
 /// two frames of silent ones: 15 motors without power do not release the 16th.
@@ -209,8 +209,8 @@ fn next_stop(
             }
             _ => None,
         });
-        // A motor without a frame comes first. One whose slow brake frame was answered waits longer than the others.
-        stops.min_by_key(|(id, stop)| (now < stop.next_frame, stop.last_sent(), *id))
+        // A motor without a frame comes first.
+        stops.min_by_key(|(id, stop)| (stop.next_frame.max(now), stop.last_sent(), *id))
     };
     let frame =
         |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.last_sent().is_some());

@@ -135,7 +135,7 @@ fn a_query_that_has_waited_goes_if_its_usual_exchange_ends_before_the_next_frame
     assert_eq!(with_next_at(sooner), Turn::At(sooner));
 }
 
-/// Of half a period, by two driven motors.
+/// Half a period, divided by two driven motors: 5 ms.
 #[test]
 fn a_query_that_is_due_leaves_a_margin_before_the_next_frame() {
     let is_due = asked(1, NOW);
@@ -176,6 +176,13 @@ fn the_motor_of_a_stop_that_got_its_last_frame_first_is_next_if_it_is_due() {
         let first = stopped(1, NOW - STOP_PERIOD * 3, due);
         assert_eq!(next(&[first, second.clone()]), is_next(expected), "{due:?}");
     }
+}
+
+#[test]
+fn while_no_frame_of_a_stop_is_due_the_one_that_is_due_first_is_waited_for() {
+    let first = stopped(1, NOW - ms(10), NOW + ms(290));
+    let second = stopped(2, NOW - ms(3), NOW + ms(2));
+    assert_eq!(next(&[first, second]), Turn::At(NOW + ms(2)));
 }
 
 #[test]

@@ -25,8 +25,8 @@ pub(crate) struct Stopping {
     began: Instant,
     /// When the operator last asked for it.
     asked: Instant,
-    /// When the last frame was sent to this motor since the stop began, and its request. The motor whose last frame is the
-    /// oldest gets the next one, so that no wheel brakes first.
+    /// When the last frame was sent to this motor since the stop began, and its request. Of the motors whose frame is due,
+    /// the one whose last frame is the oldest gets it, so that no wheel brakes first.
     last_frame: Option<(Instant, Request)>,
     pub(crate) next_frame: Instant,
     /// How many frames were sent; `None` once a reply has come that can only answer one of them.
@@ -194,8 +194,8 @@ impl Stopping {
         self.next_frame = self.next_frame.min(now);
     }
 
-    /// Whether the motor may have got no frame yet, so that its wheel turns on. After three without an answer, it more
-    /// likely has no power.
+    /// Whether the motor may have got no frame yet, so that its wheel keeps turning. After three without an answer, mode
+    /// switches included, it more likely has no power.
     pub(crate) fn may_have_got_nothing(&self) -> bool {
         let sent = self.sent_unanswered;
         sent.is_some_and(|sent| (1..DRIVEN_UNANSWERED_MAX).contains(&sent))

@@ -121,8 +121,8 @@ pub(crate) const UNASKED_CALM_REPLIES: u8 = STANDSTILL_REPLIES;
 /// far above the 50 Hz that the brake needs.
 pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
 
-/// Stop frames that may be lost let a drive frame pass that is due for so long: a stop of three motors repeats each
-/// frame in this time on an adapter that holds bytes for 25 ms.
+/// A drive frame that is so late goes before stop frames that may be lost: in this time a stop of three motors repeats
+/// each frame, on an adapter that holds bytes for 25 ms.
 pub(crate) const DRIVE_WAITS_FOR_STOPS_MAX: Duration = Duration::from_millis(200);
 
 /// Time between two brake frames to one motor if the operator wants them slow.

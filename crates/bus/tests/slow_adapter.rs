@@ -115,7 +115,7 @@ fn all_driven(motors: u8, hold_ms: u8) -> Fixture {
     fixture
 }
 
-/// A wheel whose stop frame was lost turns on. On a slow adapter a driven motor always has a frame due; it must not delay
+/// A wheel whose stop frame was lost keeps turning. On a slow adapter a driven motor always has a frame due; it must not delay
 /// the next stop frame.
 #[test]
 fn lost_stop_frames_are_repeated_before_another_motor_is_driven() {

@@ -75,8 +75,8 @@ fn a_frame_like_an_unanswered_request_is_a_reply_once_nothing_is_owed() {
     let other = drive(31);
     let mut receiver = Receiver::new(Model::Ddsm210);
     receiver.window_ended(&unanswered);
-    while receiver.is_owed() {
-        assert!(!finds(&mut receiver, unanswered));
+    for _ in 0..OWED_MIN {
+        assert!(receiver.is_owed() && !finds(&mut receiver, unanswered));
         receiver.push(other.bytes());
         receiver.take(0, &sent).unwrap();
     }
@@ -133,7 +133,7 @@ fn a_reply_at_the_end_of_an_exchange_tells_of_the_echo_too() {
 }
 
 #[test]
-fn a_reply_is_owed_for_each_unanswered_request() {
+fn replies_are_owed_for_the_last_8_unanswered_requests() {
     let sent = drive(0);
     let other = drive(31);
     let mut receiver = Receiver::new(Model::Ddsm210);
