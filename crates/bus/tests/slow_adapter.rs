@@ -165,3 +165,16 @@ fn stops_that_are_lost_let_a_drive_frame_pass_within_300_ms() {
         }
     }
 }
+
+/// Behind the first answer the frames of a stop and of a driven motor take turns.
+#[test]
+fn an_answered_stop_does_not_take_the_line_from_a_driven_motor() {
+    for hold_ms in [8, 16, 25] {
+        let mut fixture = all_driven(2, hold_ms);
+        fixture.command(Command::Stop(id(1))).unwrap();
+        fixture.run(ms(300));
+        let driven = |sent: &Sent| (1..=2).find(|motor| sent.drive_of(id(*motor)).is_some());
+        let first: Vec<u8> = fixture.sent.iter().filter_map(driven).take(4).collect();
+        assert_eq!(first, [1, 2, 1, 2], "{hold_ms} ms");
+    }
+}
