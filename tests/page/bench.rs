@@ -47,6 +47,9 @@ const WORKER: &str = r"
     bench.postMessage('up');
 ";
 
+/// Number of looks, 20 ms apart, until a test no longer waits. A busy computer may not draw for seconds.
+pub const LOOKS_MAX: usize = 1_000;
+
 pub struct Bench {
     channel: BroadcastChannel,
     received: Rc<RefCell<Vec<ToWorker>>>,
@@ -201,12 +204,8 @@ impl Bench {
         }
         self.up.replace(false);
         self.channel.post_message(&"all?".into()).unwrap();
-        for _ in 0..100 {
-            if *self.up.borrow() {
-                break;
-            }
-            pause(20).await;
-        }
+        self.until("the worker to pass on what it has", || *self.up.borrow())
+            .await;
         self.received.borrow_mut().drain(..).collect()
     }
 
@@ -287,7 +286,7 @@ impl Bench {
     }
 
     pub async fn until(&self, what: &str, is: impl Fn() -> bool) {
-        for _ in 0..100 {
+        for _ in 0..LOOKS_MAX {
             if is() {
                 return;
             }

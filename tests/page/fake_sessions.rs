@@ -11,7 +11,7 @@ use motorlink_messages::{
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{Blob, BroadcastChannel, MessageEvent};
 
-use crate::bench::{Bench, pause};
+use crate::bench::{Bench, LOOKS_MAX, pause};
 
 pub struct FakeSessions {
     channel: BroadcastChannel,
@@ -47,7 +47,7 @@ impl FakeSessions {
 
     /// The next message, and the number of objects that came with it.
     pub async fn next(&self) -> (ToSessions, u32) {
-        for _ in 0..150 {
+        for _ in 0..LOOKS_MAX {
             if !self.received.borrow().is_empty() {
                 let next = self.received.borrow_mut().remove(0);
                 self.last.replace(format!("{:?}", next.0));

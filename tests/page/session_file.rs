@@ -17,7 +17,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, HtmlSelectElement};
 
 use crate::{
-    bench::{Bench, document, pause},
+    bench::{Bench, LOOKS_MAX, document, pause},
     fake_sessions::{FakeSessions, drop_file, info, run, until_said},
 };
 
@@ -204,7 +204,7 @@ async fn a_chosen_file_is_handed_to_the_worker() {
     sessions.post(&FromSessions::NotSaved(NotSaved::NoRoom));
     until_said(&bench, "the disk is full").await;
     // The dialog has emptied it.
-    for _ in 0..150 {
+    for _ in 0..LOOKS_MAX {
         if !is_there().await {
             break;
         }
