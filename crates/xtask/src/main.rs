@@ -3,6 +3,7 @@
 //! Not a library and not shipped: it runs the tools that turn the workspace into the site in
 //! `dist/`, its checks and its tests.
 
+mod again;
 mod bench;
 mod bindgen;
 mod browser;

@@ -3,8 +3,9 @@
 use std::fs;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
+use crate::again::{self, AGAIN_MAX, failed_test};
 use crate::browser;
 use crate::cargo;
 use crate::process;
@@ -55,9 +56,40 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         skipped.extend(alone.iter().map(|(name, _)| name.clone()));
         commands.push(without(&skipped)?);
     }
-    process::run_all(&mut commands)?;
+    let mut failed = Vec::new();
+    for (printed, passed) in process::run_all(&mut commands) {
+        if let Err(error) = passed {
+            failed.extend(failed_tests(&printed).ok_or(error)?);
+        }
+    }
+    if failed.len() > AGAIN_MAX {
+        bail!("{} tests failed", failed.len());
+    }
+    // Each in a browser of its own: the page of one that failed stays in the document of the tests behind it.
+    for name in &failed {
+        println!("again: {}", again::in_words(name));
+        let (printed, passed) =
+            process::run_captured(&mut test(&["--test", "page", "--", "--exact", name])?);
+        passed?;
+        if !printed.contains("test result: ok. 1 passed") {
+            bail!("{name} failed, and is no test of the page");
+        }
+    }
+    println!("retries: {} (at most {AGAIN_MAX})", failed.len());
     let others: Vec<String> = shared.into_iter().map(|(name, _)| name).collect();
     process::run(&mut without(&others)?)
+}
+
+/// The names of the tests that failed in a program. `None` unless it came to its end and counts as many.
+fn failed_tests(printed: &str) -> Option<Vec<String>> {
+    let failed: Vec<String> = printed
+        .lines()
+        .filter_map(failed_test)
+        .map(str::to_owned)
+        .collect();
+    let count = format!("; {} failed; ", failed.len());
+    let counts = |line: &str| line.starts_with("test result: FAILED. ") && line.contains(&count);
+    printed.lines().any(counts).then_some(failed)
 }
 
 /// Modules of the page's tests, with how many tests are in each.
@@ -126,6 +158,20 @@ mod tests {
             let ends = |other: &&(String, usize)| other.0.ends_with(name.as_str());
             assert_eq!(modules.iter().filter(ends).count(), 1, "{name}");
         }
+    }
+
+    #[test]
+    fn tests_that_failed_are_named_if_their_program_has_ended() {
+        let told = |text: &str| failed_tests(text);
+        let failed = "test a::b ... ok\ntest a::c ... FAIL\n";
+        let ended = format!("{failed}test result: FAILED. 1 passed; 1 failed; 0 ignored\n");
+        assert_eq!(told(&ended), Some(vec!["a::c".to_owned()]));
+        assert_eq!(told(&format!("{failed}It might have timed out.\n")), None);
+        assert_eq!(told(&format!("{failed}{ended}")), None);
+        assert_eq!(
+            told("test a::b ... ok\ntest result: ok. 1 passed; 0 failed; 0\n"),
+            None
+        );
     }
 
     #[test]

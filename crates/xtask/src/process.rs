@@ -92,9 +92,10 @@ pub fn run_while<T>(command: &mut Command, act: impl FnOnce() -> Result<T>) -> R
     Ok(done)
 }
 
-/// Runs programs at the same time, prints the output of each when it ends, and waits for all.
-pub fn run_all(commands: &mut [Command]) -> Result<()> {
-    let outputs = thread::scope(|scope| {
+/// Runs programs at the same time, prints the output of each when it ends, and waits for all. Returns what each of them
+/// printed, and whether it succeeded.
+pub fn run_all(commands: &mut [Command]) -> Vec<(String, Result<()>)> {
+    thread::scope(|scope| {
         let run = |command| scope.spawn(move || run_captured(command));
         let running: Vec<_> = commands.iter_mut().map(run).collect();
         let joined = running.into_iter().map(|thread| {
@@ -102,19 +103,23 @@ pub fn run_all(commands: &mut [Command]) -> Result<()> {
                 .join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         });
-        joined.collect::<Vec<_>>()
-    });
-    outputs.into_iter().collect()
+        joined.collect()
+    })
 }
 
-/// Runs a program to its end, and prints its output then.
-pub fn run_captured(command: &mut Command) -> Result<()> {
-    let output = command
-        .output()
-        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
-    print!("{}", String::from_utf8_lossy(&output.stdout));
+/// Runs a program to its end, and prints its output then. Returns what it printed, and whether it succeeded.
+pub fn run_captured(command: &mut Command) -> (String, Result<()>) {
+    let output = match command.output() {
+        Ok(output) => output,
+        Err(error) => {
+            let context = format!("cannot start `{}`", text_of(command));
+            return (String::new(), Err(error).context(context));
+        }
+    };
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    print!("{printed}");
     eprint!("{}", String::from_utf8_lossy(&output.stderr));
-    succeeded(command, output.status)
+    (printed, succeeded(command, output.status))
 }
 
 /// An error where the program failed.

@@ -9,6 +9,7 @@ use std::thread;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
+use crate::again::{self, AGAIN_MAX, failed_test};
 use crate::bench::{self, Speed};
 use crate::browser::{self, Browser};
 use crate::cargo;
@@ -25,10 +26,6 @@ const ALONE: &str = "alone::";
 
 /// More retries in one run mean that the machine or the page is too slow.
 const RETRIES_MAX: usize = 20;
-
-/// So many scenarios that fail run once more, alone: others, and the native tests beside them, may have delayed them. If
-/// more fail, the page is at fault.
-const AGAIN_MAX: usize = 8;
 
 /// Runs the scenarios that can run beside others, and fails if there are too many retries.
 pub fn run_side_by_side(workspace: &Workspace) -> Result<()> {
@@ -115,11 +112,6 @@ fn at_once() -> Result<usize> {
     Ok(cores.get().min(4))
 }
 
-/// The name in `test side_by_side::stopping::a_closed_tab_stops ... FAILED`.
-fn failed_test(line: &str) -> Option<&str> {
-    line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
-}
-
 /// The retries of a run: a line of the file each.
 struct Retries {
     file: PathBuf,
@@ -144,7 +136,7 @@ impl Retries {
             .open(&self.file)
             .with_context(|| format!("opening {}", self.file.display()))?;
         for name in failed {
-            writeln!(file, "{name}: run alone: it failed beside others")?;
+            writeln!(file, "{}", again::in_words(name))?;
         }
         Ok(())
     }
@@ -199,13 +191,6 @@ mod tests {
         assert_eq!(named(message("command", "/target/command-1".into())), None);
         assert_eq!(named(message("scenarios", Value::Null)), None);
         assert_eq!(named("{\"reason\":\"build-finished\"}".to_owned()), None);
-    }
-
-    #[test]
-    fn a_failed_test_is_named() {
-        assert_eq!(failed_test("test a::b ... FAILED"), Some("a::b"));
-        assert_eq!(failed_test("test a::b ... ok"), None);
-        assert_eq!(failed_test("test result: FAILED. 1 passed"), None);
     }
 
     #[test]
