@@ -2,8 +2,8 @@
 
 use std::{thread, time::Duration};
 
-use anyhow::{Context, Result, bail};
-use end_to_end::{Line, now_us};
+use anyhow::{Context, Result};
+use end_to_end::{Line, Page, now_us};
 
 use crate::fixture::{Scenario, assert_quiet_console};
 
@@ -18,12 +18,18 @@ pub(super) fn running(line: Line) -> Result<(Scenario, u64)> {
     let pressed = now_us();
     page.click("button", "Run")?;
     let running = page.wait_for_text("status", "Run", |text| text.contains("Running"));
-    if running.is_err() {
-        let said = page.find("status", "Result of the run")?.text()?;
-        bail!("the run does not run: {said}");
-    }
+    explained(page, running)?;
     thread::sleep(Duration::from_secs(3));
     Ok((scenario, pressed))
+}
+
+/// Adds what the page says of the run to the error of a step that needs it.
+fn explained<T>(page: &Page, step: Result<T>) -> Result<T> {
+    step.with_context(|| {
+        let said = page.find("status", "Result of the run");
+        let said = said.and_then(|status| status.text());
+        format!("the page says of the run: {said:?}")
+    })
 }
 
 /// The last drive frame since this time brakes.
@@ -103,7 +109,7 @@ fn pause_sends_zero_and_resume_goes_on() -> Result<()> {
     thread::sleep(Duration::from_secs(2));
     let drives = scenario.since(resumed)?.drives();
     assert!(!drives.frames.iter().all(is_zero), "{drives}");
-    page.click("button", "Abort")?;
+    explained(page, page.click("button", "Abort"))?;
     thread::sleep(Duration::from_secs(2));
     scenario.stays_undriven(Duration::from_secs(1))?;
     Ok(())
