@@ -11,7 +11,11 @@ use leptos::wasm_bindgen::{JsCast, closure::Closure};
 
 #[cfg(doc)]
 use crate::ui::frame_rate::FrameRate;
-use crate::ui::{clock::page_now_ms, frame_rate::frame_rate, mathematics::modulo};
+use crate::ui::{
+    clock::{page_now_ms, with_time_asleep},
+    frame_rate::frame_rate,
+    mathematics::modulo,
+};
 
 /// A loop that is due so soon after a frame runs in that frame.
 const TOGETHER_MS: f64 = 8.0;
@@ -121,7 +125,7 @@ struct Schedule {
 thread_local! {
     static SCHEDULE: Schedule = Schedule {
         loops: RefCell::default(),
-        on_frame: Closure::new(|now_ms| SCHEDULE.with(|schedule| schedule.run(now_ms))),
+        on_frame: Closure::new(|browser_ms| SCHEDULE.with(|schedule| schedule.run(browser_ms))),
         on_timeout: Closure::new(|| SCHEDULE.with(|schedule| {
             schedule.timeout.set(None);
             schedule.request_frame();
@@ -132,10 +136,12 @@ thread_local! {
 }
 
 impl Schedule {
-    /// Runs every loop that is due.
-    fn run(&self, now_ms: f64) {
+    /// Runs every loop that is due. The time is that of the frame by the browser's clock.
+    fn run(&self, browser_ms: f64) {
         self.frame_requested.set(false);
+        // Reading the clock first notices a sleep.
         let due_until_ms = page_now_ms() + TOGETHER_MS;
+        let frame_ms = with_time_asleep(browser_ms);
         let mut loops = Vec::new();
         self.loops.borrow_mut().retain(|each| {
             let alive = each.upgrade();
@@ -152,9 +158,9 @@ impl Schedule {
             let next = each
                 .step
                 .try_borrow_mut()
-                .map_or(Next::Frame, |mut step| step(now_ms));
+                .map_or(Next::Frame, |mut step| step(frame_ms));
             // It may have been woken meanwhile.
-            each.due_ms.set(next.due_ms(now_ms).min(each.due_ms.get()));
+            each.due_ms.set(next.due_ms(frame_ms).min(each.due_ms.get()));
         }
         self.request();
     }

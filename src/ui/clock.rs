@@ -24,6 +24,11 @@ pub(crate) fn page_now_ms() -> f64 {
     })
 }
 
+/// A time of the browser, such as that of an event or of a frame, as [`page_now_ms`] counts.
+pub(crate) fn with_time_asleep(browser_ms: f64) -> f64 {
+    AWAKE.get().of_event(browser_ms)
+}
+
 /// The page's `performance.timeOrigin`.
 pub(crate) fn page_origin_ms() -> f64 {
     performance().map_or(0.0, |performance| performance.time_origin())
@@ -79,7 +84,7 @@ pub(crate) fn act_ms() -> f64 {
     let event =
         web_sys::window().and_then(|window| window.event().dyn_into::<web_sys::Event>().ok());
     let now_ms = page_now_ms();
-    event.map_or(now_ms, |event| AWAKE.get().of_event(event.time_stamp()))
+    event.map_or(now_ms, |event| with_time_asleep(event.time_stamp()))
 }
 
 fn performance() -> Option<web_sys::Performance> {

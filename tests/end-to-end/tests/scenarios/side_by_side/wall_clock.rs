@@ -82,6 +82,18 @@ fn jump_back(page: &Page, ms: i64) -> Result<()> {
     Ok(())
 }
 
+/// Whether the graph has an unbroken level line in the past three seconds. That of the target has gaps.
+const GRAPH_IS_OF_NOW: &str = "(() => {
+    const lines = document.querySelector('.graph-lines');
+    const [from, to] = [0.7, 0.9].map((part) => Math.floor(part * lines.width));
+    const context = lines.getContext('2d');
+    for (let row = 0; row < lines.height; row += 1) {
+        const { data } = context.getImageData(from, row, to - from, 1);
+        if (data.every((value, place) => place % 4 < 3 || value > 0)) return true;
+    }
+    return false;
+})()";
+
 #[test]
 fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
     let dir = tempfile::tempdir()?;
@@ -155,6 +167,12 @@ fn a_computer_that_slept_finds_its_motors_stopped_and_says_why() -> Result<()> {
     // Nothing is too old, and the log tells the time after the sleep.
     page.click("button", "Release")?;
     spin(page, "+50", 47..=53)?;
+    wait_until("the graph to show the new speed", WAIT_MAX, || {
+        let is_of_now = page.evaluate(GRAPH_IS_OF_NOW)?;
+        Ok((is_of_now == true)
+            .then_some(())
+            .ok_or_else(|| "it has no line there".to_owned()))
+    })?;
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
     let log = the_log_has_it_all(&scenario, 0)?;
