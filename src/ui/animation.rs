@@ -35,30 +35,38 @@ pub enum Next {
 
 impl Next {
     /// At the next multiple of `period_ms`, which is itself a multiple of [`FrameRate::step_ms`].
-    pub fn in_step(period_ms: f64, now_ms: f64) -> Self {
-        Self::After(FRAME_EARLY_MS + to_step(period_ms, now_ms + FRAME_EARLY_MS))
+    pub fn in_step(period_ms: f64, frame_ms: f64) -> Self {
+        Self::After(FRAME_EARLY_MS).put_off(period_ms, frame_ms)
     }
 
     /// The same request, but not before the next multiple of [`FrameRate::step_ms`].
-    pub fn put_off_to_step(self, now_ms: f64) -> Self {
+    pub fn put_off_to_step(self, frame_ms: f64) -> Self {
+        self.put_off(frame_rate().step_ms(), frame_ms)
+    }
+
+    /// A multiple that a late frame has just missed is the one of that frame.
+    fn put_off(self, period_ms: f64, frame_ms: f64) -> Self {
         match self {
-            Self::After(ms) => Self::After(ms + to_step(frame_rate().step_ms(), now_ms + ms)),
+            Self::After(ms) => {
+                let ms = ms.max(FRAME_EARLY_MS);
+                Self::After(ms + to_step(period_ms, frame_ms + ms))
+            }
             other => other,
         }
     }
 
     /// When it is due, on the page's clock.
-    fn due_ms(self, now_ms: f64) -> f64 {
+    fn due_ms(self, frame_ms: f64) -> f64 {
         match self {
             Self::Frame => f64::NEG_INFINITY,
-            Self::After(ms) => now_ms + ms,
+            Self::After(ms) => frame_ms + ms,
             Self::Woken => f64::INFINITY,
         }
     }
 }
 
-fn to_step(period_ms: f64, now_ms: f64) -> f64 {
-    period_ms - modulo(now_ms, period_ms)
+fn to_step(period_ms: f64, at_ms: f64) -> f64 {
+    period_ms - modulo(at_ms, period_ms)
 }
 
 /// Calls a step function with the time of the frame, as often as it requests. Dropping it stops the loop.
@@ -160,7 +168,8 @@ impl Schedule {
                 .try_borrow_mut()
                 .map_or(Next::Frame, |mut step| step(frame_ms));
             // It may have been woken meanwhile.
-            each.due_ms.set(next.due_ms(frame_ms).min(each.due_ms.get()));
+            each.due_ms
+                .set(next.due_ms(frame_ms).min(each.due_ms.get()));
         }
         self.request();
     }
@@ -209,5 +218,24 @@ impl Schedule {
         let on_frame = self.on_frame.as_ref().unchecked_ref();
         let requested = window().request_animation_frame(on_frame).is_ok();
         self.frame_requested.set(requested);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_that_a_late_frame_has_missed_is_not_asked_for_again() {
+        for (ms, frame_ms, due_ms) in [
+            (5.0, 90.0, 150.0),
+            (5.0, 120.0, 150.0),
+            (40.0, 90.0, 150.0),
+            (80.0, 90.0, 200.0),
+        ] {
+            let next = Next::After(ms).put_off_to_step(frame_ms);
+            assert_eq!(next, Next::After(due_ms - frame_ms), "{ms} from {frame_ms}");
+        }
+        assert_eq!(Next::in_step(100.0, 90.0), Next::After(110.0));
     }
 }

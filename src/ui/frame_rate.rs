@@ -6,7 +6,7 @@ use std::cell::Cell;
 /// Frames per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameRate {
-    /// The wheel turns in every frame of the screen; the rest changes 20 times a second at most.
+    /// The wheel turns, and a graph of 10 s scrolls, in every frame of the screen; the rest changes 20 times a second at most.
     #[default]
     Full,
     /// The wheel turns in 30 frames a second, and the rest changes in every other of them.

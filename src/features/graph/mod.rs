@@ -6,6 +6,7 @@
 //! | `controls` | windows, pause, picture, and how the graph is looked at |
 //! | `pointer` | pointer, wheel and keys on the graph itself |
 //! | `stage` | the canvases and their animation loop |
+//! | `pace` | when the graph is drawn next |
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
 //! | `legend` | the traces and the compared motors, with their values |
 //! | `kept` | a run that is kept, to compare another one with it |
@@ -26,6 +27,7 @@ pub(crate) mod kept;
 pub(crate) mod legend;
 pub(crate) mod linked;
 pub(crate) mod overlay;
+mod pace;
 pub(crate) mod picture;
 pub mod plot;
 pub(crate) mod pointer;

@@ -1,11 +1,11 @@
 //! The canvases and their animation loop: drawn with the screen, at most 60 times a second, and only if something
-//! visible has changed.
+//! visible has changed: see `pace`.
 
 use std::{cell::RefCell, rc::Rc};
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlCanvasElement, HtmlElement};
+use web_sys::{HtmlCanvasElement, HtmlElement};
 
 use crate::{
     features::graph::{
@@ -14,6 +14,7 @@ use crate::{
         kept::state::{Aligned, aligned},
         legend::Legend,
         overlay::Overlay,
+        pace::{DRAWN_EVERY_MS, Pace, SETTLED_AFTER_US, after},
         plot::{
             columns::Grid,
             comparison::{Comparison, Subject},
@@ -31,19 +32,8 @@ use crate::{
     ui::{
         animation::{Frames, Next},
         clock::page_now_ms,
-        frame_rate::{FrameRate, frame_rate},
     },
 };
-
-/// Minimal time between drawings: slightly less than a frame at 60 Hz, because frame times jitter.
-const DRAWN_EVERY_MS: f64 = 15.0;
-
-/// If a column lasts less than this, a page that draws fully draws it every frame. Otherwise the loop waits with a timer.
-const FRAMES_BELOW_US: u64 = 25_000;
-
-/// Maximal delay of a report, unless the page is busy: a slow adapter delays it by 16 ms, the worker by 50 ms. A
-/// paused view is drawn once more after this time.
-const SETTLED_AFTER_US: u64 = 200_000;
 
 /// Everything except the colours that the lines depend on. They are drawn again only if it differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +70,7 @@ pub(crate) struct Stage {
     /// The comparison in the legend.
     named: Option<Comparison>,
     drawn_ms: f64,
+    pace: Pace,
     /// When the newest values were written.
     pub(crate) read_ms: f64,
     stopwatch: watchers::Stopwatch,
@@ -174,6 +165,7 @@ impl Stage {
             scene: None,
             named: None,
             drawn_ms: f64::NEG_INFINITY,
+            pace: Pace::default(),
             read_ms: f64::NEG_INFINITY,
             stopwatch: watchers::Stopwatch::new(),
             _watchers: Watchers::of(chart, &plot),
@@ -189,8 +181,7 @@ impl Stage {
     }
 
     fn step(&mut self, chart: Chart, frame_ms: f64) -> Next {
-        let early_ms = self.drawn_ms + DRAWN_EVERY_MS - frame_ms;
-        if early_ms > 0.0 {
+        if frame_ms < self.drawn_ms + DRAWN_EVERY_MS {
             return Next::Frame;
         }
         if chart.size_stale.take() && self.resize(chart) {
@@ -213,7 +204,7 @@ impl Stage {
             let selected = chart.page.selected.get_untracked();
             let kept = aligned(history, selected, grid.right_us());
             let scene = Scene {
-                grid: Some(grid).filter(|_| shows_anything(history, &subject, grid)),
+                grid: Some(grid).filter(|grid| subject.is_seen(history, *grid)),
                 subject,
                 view,
                 settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
@@ -246,7 +237,9 @@ impl Stage {
                 .update(chart, view, shown, now_us, frame_ms);
             chart.asleep.set(view.is_live() && scene.grid.is_none());
             match scene.grid {
-                Some(grid) if view.is_live() => next_column(grid, now_us),
+                Some(grid) if view.is_live() => {
+                    self.pace.next_column(chart, grid, now_us, frame_ms)
+                }
                 Some(grid) if !scene.settled => after(grid.right_us() + SETTLED_AFTER_US, now_us),
                 _ => next,
             }
@@ -285,7 +278,7 @@ impl Stage {
     /// Reads the palette from the custom properties of the theme, which the style sheet registers as colours.
     /// Returns whether it has changed.
     fn read_palette(&mut self) -> bool {
-        let Some(style) = computed_style(&self.plot) else {
+        let Ok(Some(style)) = window().get_computed_style(&self.plot) else {
             return false;
         };
         let of = |name: &str| parse_colour(&style.get_property_value(name).unwrap_or_default());
@@ -354,35 +347,4 @@ impl Stage {
         );
         self.axes.draw(picture);
     }
-}
-
-/// When the right edge enters another column.
-fn next_column(grid: Grid, now_us: u64) -> Next {
-    let rate = frame_rate();
-    if grid.column_us < FRAMES_BELOW_US {
-        return if rate == FrameRate::Full {
-            Next::Frame
-        } else {
-            Next::in_step(rate.step_ms(), page_now_ms())
-        };
-    }
-    after(grid.right_us(), now_us).put_off_to_step(page_now_ms())
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "no more microseconds than a window is long"
-)]
-fn after(at_us: u64, now_us: u64) -> Next {
-    Next::After(at_us.saturating_sub(now_us) as f64 / 1_000.0)
-}
-
-/// Whether any of the motors has a value in these columns.
-fn shows_anything(history: &History, subject: &Subject, grid: Grid) -> bool {
-    let newest = subject.newest(history);
-    newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())
-}
-
-fn computed_style(element: &Element) -> Option<web_sys::CssStyleDeclaration> {
-    window().get_computed_style(element).ok().flatten()
 }

@@ -1,13 +1,18 @@
 //! What is on the canvas, and when it is drawn.
 
-use motorlink_messages::protocol::Rpm;
-use wasm_bindgen::JsValue;
+use js_sys::{Array, Function, Promise};
+use motorlink_messages::{
+    bus::Activity,
+    protocol::{Rpm, Setpoint, SpeedTarget},
+};
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::Event;
+use web_sys::{Event, HtmlCanvasElement};
 
 use super::{
-    PropertyOverride, bench, canvas, colour_of, context, is_drawn, name, pane, report, rows_of,
-    steady, wipe,
+    PropertyOverride, bench, canvas, colour_of, context, is_drawn, name, pane, report,
+    report_activity, rows_of, steady, wipe,
 };
 use crate::bench::{document, pause};
 
@@ -151,6 +156,64 @@ async fn without_news_an_empty_graph_is_not_drawn() {
     bench
         .until("a line", || !rows_of(&canvas, speed, 2).is_empty())
         .await;
+}
+
+/// How often the lines are drawn in 60 frames of the screen, and how many steps of 50 ms these last.
+async fn drawings_and_steps(canvas: &HtmlCanvasElement) -> [f64; 2] {
+    let count = Function::new_with_args(
+        "context",
+        "let drawings = 0;
+         context.clearRect = (...area) => {
+             drawings += 1;
+             CanvasRenderingContext2D.prototype.clearRect.apply(context, area);
+         };
+         let left = 60;
+         const begun = performance.now();
+         return new Promise((done) => requestAnimationFrame(function next() {
+             left -= 1;
+             if (left > 0) requestAnimationFrame(next);
+             else done([drawings, (performance.now() - begun) / 50]);
+         }));",
+    );
+    let promise = count.call1(&JsValue::UNDEFINED, &context(canvas)).unwrap();
+    let counted = JsFuture::from(promise.unchecked_into::<Promise>()).await;
+    let counted: Array = counted.unwrap().unchecked_into();
+    [0, 1].map(|place| counted.get(place).as_f64().unwrap())
+}
+
+#[wasm_bindgen_test]
+async fn a_graph_is_drawn_in_every_frame_once_a_motor_is_driven() {
+    let bench = bench("graph-at-rest").await;
+    // In a narrow one a column lasts longer than a frame.
+    let panel = bench.find("region", "Speed and current");
+    panel.style().set_property("width", "1200px").unwrap();
+    let canvas = canvas(&bench);
+    bench.until("its width", || canvas.width() > 800).await;
+    report(&bench, steady(5_000, 0));
+    bench.until("a line", || is_drawn(&canvas)).await;
+    let [drawings, steps] = drawings_and_steps(&canvas).await;
+    assert!(
+        (steps / 3.0..steps + 3.0).contains(&drawings),
+        "{drawings}, {steps} steps"
+    );
+
+    let setpoint = Setpoint::velocity(SpeedTarget::new(100).unwrap());
+    for activity in [Activity::Driven { setpoint }, Activity::Idle] {
+        report_activity(&bench, activity, steady(5_000, 0));
+        // A busy computer has no more frames than steps.
+        let mut counted = [0.0; 2];
+        for _ in 0..10 {
+            counted = drawings_and_steps(&canvas).await;
+            if counted[0] > counted[1] + 10.0 {
+                break;
+            }
+        }
+        let [drawings, steps] = counted;
+        assert!(
+            drawings > steps + 10.0,
+            "{drawings}, {steps} steps; {activity:?}"
+        );
+    }
 }
 
 #[wasm_bindgen_test]

@@ -2,30 +2,14 @@
 
 use gloo_timers::future::TimeoutFuture;
 use motorlink_messages::{
-    Adapter, Connection, ToPage, Update,
-    bus::{Activity, Sample},
-    protocol::{Instant, Mode, Setpoint, SpeedTarget},
+    bus::Activity,
+    protocol::{Setpoint, SpeedTarget},
 };
 use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, HtmlSelectElement};
 
-use super::{Page, bench, canvas, colour_of, now_ms, rows_of, sample, steady};
-use crate::bench::motor;
-
-fn report_activity(bench: &Page, activity: Activity, samples: Vec<Sample>) {
-    bench.post(&ToPage::Update(Update {
-        now: Instant::from_millis(now_ms()),
-        connection: Connection::Connected(Adapter::VIRTUAL),
-        halted: false,
-        motors: vec![motor(Mode::Velocity, activity)],
-        job: None,
-        raw: None,
-        line: None,
-        samples,
-        notices: vec![],
-    }));
-}
+use super::{Page, bench, canvas, colour_of, now_ms, report_activity, rows_of, sample, steady};
 
 /// Drives for half a second, and reports this speed.
 async fn drive(bench: &Page, rpm: i16) {

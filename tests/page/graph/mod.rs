@@ -99,11 +99,15 @@ fn sample(at_ms: u64, rpm: i16) -> Sample {
 }
 
 fn report(bench: &Bench, samples: Vec<Sample>) {
+    report_activity(bench, Activity::Idle, samples);
+}
+
+fn report_activity(bench: &Bench, activity: Activity, samples: Vec<Sample>) {
     bench.post(&ToPage::Update(Update {
         now: Instant::from_millis(now_ms()),
         connection: Connection::Connected(Adapter::VIRTUAL),
         halted: false,
-        motors: vec![motor(Mode::Velocity, Activity::Idle)],
+        motors: vec![motor(Mode::Velocity, activity)],
         job: None,
         raw: None,
         line: None,

@@ -4,7 +4,10 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Instant, MotorId};
 
 use crate::{
-    features::graph::plot::trace::{Trace, Traces},
+    features::graph::plot::{
+        columns::Grid,
+        trace::{Trace, Traces},
+    },
     model::{
         history::{History, Track},
         mirror::Mirror,
@@ -107,6 +110,12 @@ impl Subject {
             Self::Compared(comparison) => Some(comparison),
             Self::Motor { .. } => None,
         }
+    }
+
+    /// Whether any of the motors has a value in these columns.
+    pub(crate) fn is_seen(&self, history: &History, grid: Grid) -> bool {
+        let newest = self.newest(history);
+        newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())
     }
 
     /// The recorded tracks of the drawn motors.
