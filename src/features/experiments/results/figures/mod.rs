@@ -66,7 +66,7 @@ impl Figures {
                 "The intervals do not include the torque constant, 0.75 N·m/A. The maker's own points give 0.74 to 0.77, so a figure with a torque can be off by 3 % more."
             )),
             Findings::CoastDown(_) | Findings::TorqueSpeed(_) => figures.maker_says(tr!(
-                "Torque and inertia are computed with 0.75 N·m/A, the figure of the DDSM115. That of the {model} is not known, so they are not those of this motor.",
+                "Torque and inertia are computed with 0.75 N·m/A, the figure of the DDSM115. That of the {model} is not known.",
                 model
             )),
             _ => {}
