@@ -46,6 +46,7 @@ mod template;
 mod test;
 mod tools;
 mod translations;
+mod used_types;
 mod workspace;
 
 use std::process::ExitCode;

@@ -8,6 +8,8 @@ use wasm_encoder::{Module, RawSection};
 use wasm_split_cli_support::{Options, transform};
 use wasmparser::{Parser, Payload};
 
+use crate::used_types;
+
 /// How the main wasm file names the splitter's script.
 const LOADERS: &str = "./loaders.js";
 
@@ -41,7 +43,8 @@ pub fn split(program: &str, built: &Path, out: &Path) -> Result<Split> {
     for path in split.split_modules {
         let name = path.file_name().context("a part without a name")?;
         let wasm = fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
-        parts.push((name.to_string_lossy().into_owned(), without_names(&wasm)?));
+        let wasm = used_types::keep(&without_names(&wasm)?)?;
+        parts.push((name.to_string_lossy().into_owned(), wasm));
     }
     let loaders = out.join(LOADERS);
     let loaders =

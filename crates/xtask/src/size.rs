@@ -64,15 +64,15 @@ const PARTS: [Part; 20] = [
     // the tabs of the dock.
     // 1,500 are the group Remote of a page that comes from a server. 300 are names and texts that macros derive.
     // 200: Enter ticks a box while a motor runs, and the focus goes from Run to Pause.
-    ("desk", BEHIND, &["desk"], 147_600),
+    ("desk", BEHIND, &["desk"], 142_700),
     // 1,600 are the cards of a group. 300 keep a finger that scrolls from driving, and the pad below the limit. 200 find a
     // slow adapter within seconds. 100 say why the virtual motors cannot be connected.
-    ("tools", BEHIND, &["tools"], 66_000),
+    ("tools", BEHIND, &["tools"], 63_700),
     // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
     // (7,500). Bookmarks with their form, the list of events and the frame at the cursor take 17,500,
     // of which 3,000 keep a note that is being written, and warn before one is lost. 3,000 show the runs in a file, keep
     // them, and choose how much is saved.
-    ("seldom used", ASKED, &["seldom"], 97_700),
+    ("seldom used", ASKED, &["seldom"], 94_200),
     // The panel Experiments: sequences with their table, studies with figures and charts, kept runs with their exports, and
     // programs in four languages. 4,000 keep the table for the next visit and bring a replaced one back, wait until a run is
     // stored, and disarm when a limit changes. 2,600 show the runs that were kept from a file or in another tab.
@@ -82,8 +82,8 @@ const PARTS: [Part; 20] = [
     // the line carries, and in the report what it carried, fit models to steps and Bode plots, judge how a motor follows a
     // sequence, compare runs side by side, and open the file for plotting of a recording. 600 are names and texts that
     // macros derive. 600 draw charts in the width of their container.
-    ("experiments", ASKED, &["experiments"], 280_700),
-    ("help", BEHIND, &["help.", "help-"], 8_400),
+    ("experiments", ASKED, &["experiments"], 274_200),
+    ("help", BEHIND, &["help.", "help-"], 7_600),
     // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
     // setup: the tools are smaller by 20,000. 6,000 are the texts of the desk, which were in the first program, 17,000 what
     // the panel Experiments has in common with the others. The choice of how much is saved takes 900, and
@@ -95,7 +95,7 @@ const PARTS: [Part; 20] = [
     // once, to the drive pad and to a run.
     // 800 are what the cards of a group have in common with the rover. The last switch of the first program is in Setup now:
     // 700 came from there. 1,700 are the charts that follow the width of their container, of which 1,000 were in the desk.
-    ("shared", BEHIND, &["chunk"], 99_600),
+    ("shared", BEHIND, &["chunk"], 89_100),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000). 2,300 keep what the page showed, and the loop in which a kept reply is read.
@@ -115,11 +115,11 @@ const PARTS: [Part; 20] = [
     // that frames tell. 100 read the setpoint that waits for a stop or a switch. Like the recorder it knows every English
     // message: 300. What the recorder needs too (50,000) is in its file, and what runs need too in
     // the next. The folder in which it is compiled changes its size by 300.
-    ("session files", ASKED, &["tasks_sessions-"], 156_000),
+    ("session files", ASKED, &["tasks_sessions-"], 152_700),
     // The sequence, the run and its record, as a run and a session file have them.
-    ("session and run", ASKED, &["tasks_chunk_"], 43_700),
+    ("session and run", ASKED, &["tasks_chunk_"], 42_900),
     // The rest of a run. The port worker loads it when the first run is armed.
-    ("runs", ASKED, &["tasks_runs-"], 24_500),
+    ("runs", ASKED, &["tasks_runs-"], 23_900),
     // The worker of a page that comes from `motorlink serve`, which alone sends it: the WebSocket and the messages.
     ("remote", SERVED, &["remote-"], 39_000),
     (
@@ -167,7 +167,7 @@ const DRIVING_GZIP_BYTES_MAX: usize = 376_700;
 /// the motor in each title 300. 1,300 are names and texts that macros derive: 500 lines less to read.
 /// 1,700 are the cards of a group. The faults of a recording take 2,000, missing replies and legends of runs 700. 600 are
 /// what the keyboard reaches, and a slow adapter that is named within seconds.
-const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_434_300;
+const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 1_401_500;
 
 /// The parts of a site with their sizes: raw, with gzip, with brotli.
 #[derive(Debug)]
