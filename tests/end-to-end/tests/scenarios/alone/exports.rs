@@ -5,7 +5,7 @@ use std::{thread, time::Duration};
 use crate::fixture::{
     Scenario, assert_quiet_console,
     exports::{LOG_HEAD, Reply, TELEMETRY_HEAD, Table, hex, ms_of_day, undisturbed_replies},
-    number, spin, wait_for_speed, wait_until_enabled,
+    number, spin, stop_and_release, wait_for_speed, wait_until_enabled,
 };
 use anyhow::{Context, Result};
 use end_to_end::{Frame, Line, WireLog, figures::percentile, now_us};
@@ -17,11 +17,7 @@ fn a_busy_minute(scenario: &Scenario) -> Result<()> {
     spin(page, "+100", 97..=103)?;
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
     page.click("tab", "Current")?;
     page.click("button", "0 A")?;
     page.wait_for_text("output", "Mode", |text| {

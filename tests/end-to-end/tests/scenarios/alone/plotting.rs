@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use crate::fixture::{
     Scenario, assert_quiet_console,
     exports::{Reply, TELEMETRY_HEAD, Table, hex, ms_of_day, undisturbed_replies},
-    wait_for_speed,
+    stop_and_release, wait_for_speed,
 };
 use end_to_end::Frame;
 
@@ -34,11 +34,7 @@ fn record(scenario: &Scenario) -> Result<()> {
     thread::sleep(Duration::from_millis(500));
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
     page.open_panel("Recording")?;
     page.click("button", "Stop recording")?;
     Ok(())

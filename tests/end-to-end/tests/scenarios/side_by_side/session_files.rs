@@ -5,7 +5,7 @@ use std::{fs, time::Duration};
 use crate::fixture::{
     Scenario, assert_quiet_console, number,
     places::{LAPTOP, READ_OUTS, all_in_sight, in_sight, look},
-    spin,
+    spin, stop_and_release,
 };
 use anyhow::{Context, Result, anyhow, ensure};
 use end_to_end::{Line, View, WAIT_MAX, now_us, wait_until};
@@ -101,11 +101,7 @@ fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
         gap_us.is_some_and(|gap| gap < GAP_US_MAX),
         "{gap_us:?} us without a frame"
     );
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
 
     assert_eq!(saved.extension(), "mcap");
     let file = saved.bytes()?;
@@ -161,11 +157,7 @@ fn a_bookmark_with_its_note_is_in_the_copy_of_a_session() -> Result<()> {
     spin(page, "+100", 97..=103)?;
     page.open_panel("Session file")?;
     let saved = page.download("Save session")?;
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     // The first screen of somebody who has not seen the tour.
@@ -218,11 +210,7 @@ fn a_run_is_in_the_session_and_is_kept_again_from_its_file() -> Result<()> {
     page.wait_for_text("status", "Session file", |text| {
         text.contains("Runs of experiments: 1")
     })?;
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
     // Three seconds of it were stored, at 200 replies a second.
     let samples = samples_of_runs(&saved.bytes()?)?;
     assert!(

@@ -3,7 +3,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, open_name, wait_for_wire,
+    Scenario, assert_ends_braked, assert_quiet_console, open_name, stop_and_release, wait_for_wire,
 };
 use anyhow::{Context, Result};
 use end_to_end::{Frame, Line, Page, now_us};
@@ -195,11 +195,7 @@ fn the_pad_drives_while_a_key_is_held_and_no_longer() -> Result<()> {
     page.hold_key("ArrowUp")?;
     wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let stopped = now_us();
-    page.press("Escape")?;
-    page.wait_for_text("alertdialog", "Stopped", |text| {
-        text.to_lowercase().contains("confirmed")
-    })?;
-    page.click("button", "Release")?;
+    stop_and_release(page)?;
     page.release_key("ArrowUp")?;
     assert_both_braked(&scenario, stopped)?;
     assert_eq!(setpoints(&scenario, stopped)?, [Some(0), Some(0)]);
