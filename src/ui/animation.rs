@@ -44,7 +44,7 @@ impl Next {
         self.put_off(frame_rate().step_ms(), frame_ms)
     }
 
-    /// A multiple that a late frame has just missed is the one of that frame.
+    /// Puts it off to a multiple of `period_ms`. One within [`FRAME_EARLY_MS`] of this frame's time may have passed by now.
     fn put_off(self, period_ms: f64, frame_ms: f64) -> Self {
         match self {
             Self::After(ms) => {
